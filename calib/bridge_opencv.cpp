@@ -1,0 +1,182 @@
+/*
+ * OpenCV's decoders, behind plain C functions; no exception leaves this file.
+ *
+ * The codecs below OpenCV print their complaints on standard error and then fill what is missing
+ * with grey. Both are caught: standard error is held back while they decode, and for a JPEG, whose
+ * decoder has no other way to say so, any complaint is a refusal.
+ */
+#include "halflight/bridge_opencv.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <mutex>
+#include <string>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace
+{
+
+const long pixels_max = 1L << 28;
+
+/* Standard error goes to an unnamed file between construction and `taken`. */
+class held_stderr
+{
+public:
+  held_stderr() : file(std::tmpfile()), saved(-1)
+  {
+    if (!file)
+      return;
+    std::fflush(stderr);
+    saved = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
+    if (saved >= 0)
+      dup2(fileno(file), STDERR_FILENO);
+  }
+  held_stderr(const held_stderr &) = delete;
+  held_stderr &operator=(const held_stderr &) = delete;
+  ~held_stderr()
+  {
+    restore();
+    if (file)
+      std::fclose(file);
+  }
+  /* The first line that was printed; "" for none. */
+  std::string taken()
+  {
+    restore();
+    char line[160] = "";
+    if (file) {
+      std::rewind(file);
+      if (!std::fgets(line, sizeof line, file))
+        line[0] = '\0';
+      line[std::strcspn(line, "\r\n")] = '\0';
+    }
+    /* OpenCV's own line names its source and a temporary file, which helps nobody */
+    return std::strncmp(line, "imdecode_", 9) == 0 ? "" : line;
+  }
+
+private:
+  void restore()
+  {
+    if (saved < 0)
+      return;
+    std::fflush(stderr);
+    dup2(saved, STDERR_FILENO);
+    close(saved);
+    saved = -1;
+  }
+  std::FILE *file;
+  int saved;
+};
+
+int silent(int, const char *, const char *, const char *, int, void *)
+{
+  return 0;
+}
+
+/* OpenCV's own settings, once: EXR on, no text. */
+void prepare()
+{
+  static std::once_flag once;
+  std::call_once(once, [] {
+    setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    cv::redirectError(silent);
+  });
+}
+
+cv::Mat decode(const unsigned char *bytes, size_t n, std::string &said)
+{
+  static std::mutex one_at_a_time;
+  const std::lock_guard<std::mutex> guard(one_at_a_time);
+  held_stderr held;
+  const cv::Mat raw(1, static_cast<int>(n), CV_8U, const_cast<unsigned char *>(bytes));
+  cv::Mat image;
+  try {
+    image = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception &e) {
+    said = e.err;
+    return cv::Mat();
+  }
+  said = held.taken();
+  return image;
+}
+
+template <typename T> void copy_swapped(const cv::Mat &image, T *out)
+{
+  const int channels = image.channels();
+  for (int y = 0; y < image.rows; y++) {
+    const T *row = image.ptr<T>(y);
+    for (int x = 0; x < image.cols; x++, row += channels, out += channels)
+      for (int c = 0; c < channels; c++)
+        out[c] = row[c < 3 && channels >= 3 ? 2 - c : c];
+  }
+}
+
+hl_status hand_over(hl_ctx *ctx, const char *path, const cv::Mat &image, hl_codes *out)
+{
+  const int depth = image.depth();
+  const int bits = depth == CV_8U ? 8 : depth == CV_16U ? 16 : depth == CV_32F ? 32 : 0;
+  if (bits == 0)
+    return hl_fail(ctx, HL_ERR_FORMAT,
+                   "%s: samples of kind %s; 8-bit, 16-bit or 32-bit float ones are read", path,
+                   cv::depthToString(depth));
+  if (static_cast<long>(image.rows) * image.cols > pixels_max)
+    return hl_fail(ctx, HL_ERR_FORMAT, "%s: %d x %d pixels; up to 2^28 are accepted", path,
+                   image.cols, image.rows);
+  void *codes = std::malloc(image.total() * image.elemSize());
+  if (!codes)
+    return hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory for %d x %d pixels", path, image.cols,
+                   image.rows);
+  if (bits == 8)
+    copy_swapped(image, static_cast<unsigned char *>(codes));
+  else if (bits == 16)
+    copy_swapped(image, static_cast<unsigned short *>(codes));
+  else
+    copy_swapped(image, static_cast<float *>(codes));
+  *out = hl_codes{codes, image.cols, image.rows, image.channels(), bits};
+  return HL_OK;
+}
+
+} // namespace
+
+hl_status hl_opencv_decode(hl_ctx *ctx, const char *path, const char *kind,
+                           const unsigned char *bytes, size_t n, hl_codes *out)
+{
+  try {
+    prepare();
+    if (n > 0x7fffffff)
+      return hl_fail(ctx, HL_ERR_FORMAT, "%s: %zu bytes; images under 2 GiB are read", path, n);
+    std::string said;
+    const cv::Mat image = decode(bytes, n, said);
+    const bool jpeg = bytes[0] == 0xff;
+    if (image.empty() || (jpeg && !said.empty()))
+      return hl_fail(ctx, HL_ERR_FORMAT,
+                     "%s: %s is damaged or of a kind that OpenCV does not read%s%.120s", path, kind,
+                     said.empty() ? "" : ": ", said.c_str());
+    return hand_over(ctx, path, image, out);
+  } catch (const std::bad_alloc &) {
+    return hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory to decode the image", path);
+  } catch (const std::exception &e) {
+    return hl_fail(ctx, HL_ERR_FORMAT, "%s: OpenCV cannot decode it: %.120s", path, e.what());
+  } catch (...) {
+    return hl_fail(ctx, HL_ERR_FORMAT, "%s: OpenCV cannot decode it", path);
+  }
+}
+
+const char *hl_opencv_version(void)
+{
+  try {
+    static const std::string version = cv::getVersionString();
+    return version.c_str();
+  } catch (...) {
+    return nullptr;
+  }
+}

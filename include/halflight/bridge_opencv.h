@@ -1,0 +1,34 @@
+/** Internal, not installed: what the rest of the library asks of OpenCV, in plain C. */
+#ifndef HALFLIGHT_BRIDGE_OPENCV_H
+#define HALFLIGHT_BRIDGE_OPENCV_H
+
+#include "halflight/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A decoded image: shape (height, width, channels), red, green, blue (alpha) order, uint8_t,
+ * uint16_t or float for 8, 16, 32 bits. `codes` is the caller's (free). */
+typedef struct hl_codes {
+  void *codes;
+  int width, height, channels, bits;
+} hl_codes;
+
+/**
+ * Decode a PNG, JPEG, TIFF or EXR in memory.
+ * @param path, kind  for messages: the file, and "PNG", "JPEG", "TIFF" or "EXR"
+ * @return HL_OK; HL_ERR_FORMAT (damaged, too large, a kind of sample we do not read);
+ *         HL_ERR_MEMORY; HL_ERR_UNAVAILABLE in a build without OpenCV
+ * While it decodes, the process's standard error is held back: the codecs print there.
+ */
+hl_status hl_opencv_decode(hl_ctx *ctx, const char *path, const char *kind,
+                           const unsigned char *bytes, size_t n, hl_codes *out);
+
+/** Of the library found at run time; NULL in a build without it. */
+const char *hl_opencv_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

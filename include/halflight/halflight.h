@@ -1,0 +1,21 @@
+/**
+ * halflight: where the light is, from one photo of a glossy ball.
+ *
+ * The way of a frame:
+ *   hl_frame_read -> hl_sphere_locate (or hl_sphere_read) -> hl_surface_of_sphere
+ *   -> hl_light_estimate -> hl_light_json_write, hl_curves_csv_write, hl_lp_write
+ */
+#ifndef HALFLIGHT_HALFLIGHT_H
+#define HALFLIGHT_HALFLIGHT_H
+
+#include "halflight/camera.h"
+#include "halflight/export.h"
+#include "halflight/frame.h"
+#include "halflight/info.h"
+#include "halflight/light.h"
+#include "halflight/settings.h"
+#include "halflight/sphere.h"
+#include "halflight/status.h"
+#include "halflight/surface.h"
+
+#endif

@@ -1,0 +1,132 @@
+/**
+ * The light: its direction, how sure that is, and the reflectance that explains the frame.
+ *
+ * Model, per channel c with one direction s for all (Chandraker & Ramamoorthi 2011, eq. 4, with the
+ * half-vector per pixel, a foreshortened lobe and a body that shares s):
+ *
+ *   I_c(p) = k_c D + g(n,v) f_c(angle(n, h(p))) [+ body's bends] [+ e_c],
+ *   D = max(0, n.s),   h = (s+v)/|s+v|,   g in {1, 1/(n.v)} [x (G(n.s) G(n.v))^a]
+ *
+ * Terms in brackets enter only where the frame needs them; src/light_rows.c has them in full.
+ */
+#ifndef HALFLIGHT_LIGHT_H
+#define HALFLIGHT_LIGHT_H
+
+#include "halflight/surface.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { HL_CHANNELS_MAX = 3, HL_CURVE_POINTS = 121, HL_NOTES_MAX = 12, HL_NOTE_TEXT_MAX = 160 };
+
+typedef enum hl_lobe { HL_LOBE_AUTO, HL_LOBE_PLAIN, HL_LOBE_FORESHORTENED } hl_lobe;
+
+typedef struct hl_light_settings {
+  hl_lobe lobe;          /* auto keeps the one with the smaller residual */
+  int threads;           /* 0 = as many as the machine has; results do not depend on it */
+  double model_error;    /* of the model, relative to the radiance: its weights while searching */
+  double outlier_sigmas; /* pixels off by so many deviations are left out; 0 = never */
+  double widest_deg;     /* largest angle from the view searched */
+} hl_light_settings;
+
+HL_API hl_light_settings hl_light_defaults(void);
+HL_API const hl_field_table *hl_light_fields(void);
+
+/** One line of `used`, `left_out` or `reasons`. */
+typedef struct hl_note {
+  char what[40];
+  char why[HL_NOTE_TEXT_MAX];
+} hl_note;
+
+typedef struct hl_notes {
+  int n;
+  hl_note note[HL_NOTES_MAX];
+} hl_notes;
+
+/** A fitted curve: radiance (BRDF x cos x light), in the frame's linear units, against an angle. */
+typedef struct hl_curve {
+  const char *lobe;    /* "diffuse" or "specular", static */
+  const char *channel; /* "r", "g", "b" or "grey", static */
+  int n;
+  double angle_rad[HL_CURVE_POINTS]; /* diffuse: angle(n,s); specular: angle(n,h) */
+  double value[HL_CURVE_POINTS];     /* monotone, non-negative; specular: before g(n,v), diffuse: at
+                                        the mean n.v of the pixels, `mean_cos_view` */
+} hl_curve;
+
+typedef enum hl_identifiability { HL_UNIQUE, HL_AMBIGUOUS, HL_NOT_GUARANTEED } hl_identifiability;
+
+typedef struct hl_light {
+  bool trusted;     /* false: reasons say why; the numbers are the best that could be had */
+  bool found;       /* false: no direction at all, nothing below but reasons is meaningful */
+  hl_notes reasons; /* why it is not to be trusted, in words a person can act on */
+
+  double direction[3];        /* unit, surface to light, camera frame */
+  double tangent_basis[2][3]; /* unit, orthogonal to direction */
+  double covariance_rad2[2][2];
+  double ellipse_95_rad[2]; /* half axes, major first */
+  double color[3];          /* relative radiance, largest 1 */
+
+  hl_lobe lobe;                   /* the one kept; HL_LOBE_AUTO where there is no lobe */
+  double half_angle_direction[3]; /* h for the mean view */
+  double diffuse_strength[3];     /* k_c */
+  double lobe_strength[3];        /* f_c at angle 0, as far as the frame shows it */
+  double masking_exponent;        /* a of g(n,v); 0 where the frame does not need it */
+  double mean_cos_view;           /* of the pixels used */
+  double ambient[3];              /* e_c, 0 where the frame does not need it */
+  double evidence_highlight;      /* share of the information on s that the lobe brought, 0..1 */
+
+  int channels;
+  int n_curves;
+  hl_curve curves[2 * HL_CHANNELS_MAX];
+
+  int n_pixels;   /* used */
+  int n_clipped;  /* pixels with a clipped channel */
+  int n_outliers; /* pixels left out */
+  int iterations;
+  double rms;            /* of the residual, in the frame's units */
+  double relative_error; /* mean |fit - data| / mean data over the lit pixels */
+  double condition;      /* of the information matrix of s */
+
+  hl_identifiability verdict;
+  const char *proposition; /* static */
+  const char *stays_free;  /* static */
+
+  hl_notes used;
+  hl_notes left_out;
+} hl_light;
+
+/** Everything that has the size of the ball; one a thread. */
+typedef struct hl_light_work hl_light_work;
+
+/**
+ * @return HL_OK; HL_ERR_ARG; HL_ERR_MEMORY. The caller frees `out` with hl_light_work_free.
+ */
+HL_API hl_status hl_light_work_new(hl_ctx *ctx, int max_pixels, int channels, hl_light_work **out);
+HL_API void hl_light_work_free(hl_light_work *work);
+
+/**
+ * Estimate the light from one frame of a surface of known geometry.
+ *
+ * @param sphere   may be NULL; with a covariance its share enters the light's
+ * @param settings NULL means hl_light_defaults()
+ * @param out      written on HL_OK and on HL_ERR_DEGENERATE (found = false, reasons filled)
+ * @return HL_OK, also where the answer is not to be trusted (out->trusted says);
+ *         HL_ERR_ARG (sizes that do not belong together, settings);
+ *         HL_ERR_DEGENERATE (black, constant or fully clipped: no direction at all)
+ * Allocates nothing. Deterministic for any number of threads.
+ */
+HL_API hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *frame,
+                                   const hl_surface *surface, const hl_sphere *sphere,
+                                   const hl_light_settings *settings, hl_light *out);
+
+/** Predicted and measured mean radiance and whether it was used (1) or left out (0), of each surface pixel of
+ * the last estimate; borrowed from work until its next use, shape (surface->n). Any pointer may be
+ * NULL. */
+HL_API void hl_light_fitted(const hl_light_work *work, const float **predicted,
+                            const float **measured, const float **weight);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,293 @@
+/* Words of a command line into a verb's arguments, driven by its option table. */
+#include "options.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WORD_MAX = 32, NAMES_MAX = 64 };
+
+/* Levenshtein distance; words longer than WORD_MAX are far from everything. */
+static int edit_distance(const char *a, const char *b)
+{
+  const size_t na = strlen(a);
+  const size_t nb = strlen(b);
+  if (na > WORD_MAX || nb > WORD_MAX)
+    return WORD_MAX;
+  int row[WORD_MAX + 1];
+  for (size_t j = 0; j <= nb; j++)
+    row[j] = (int)j;
+  for (size_t i = 1; i <= na; i++) {
+    int diagonal = row[0];
+    row[0] = (int)i;
+    for (size_t j = 1; j <= nb; j++) {
+      const int swap = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      const int step = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
+      row[j] = swap < step ? swap : step;
+    }
+  }
+  return row[nb];
+}
+
+const char *hl_options_nearest(const char *word, const char *const *names, int n)
+{
+  const char *best = NULL;
+  int least = WORD_MAX;
+  for (int i = 0; i < n; i++) {
+    const int d = edit_distance(word, names[i]);
+    if (d < least) {
+      least = d;
+      best = names[i];
+    }
+  }
+  return best && least <= 1 + (int)strlen(best) / 3 ? best : NULL;
+}
+
+hl_status hl_options_numbers(hl_ctx *ctx, const char *option, const char *text, int n, double *out)
+{
+  double value[8];
+  const char *at = text;
+  if (n > (int)(sizeof value / sizeof *value))
+    return hl_fail(ctx, HL_ERR_ARG, "--%s: %d numbers are too many", option, n);
+  for (int i = 0; i < n; i++) {
+    char *end = NULL;
+    value[i] = strtod(at, &end);
+    if (end == at || *end != (i + 1 < n ? ',' : '\0') || !isfinite(value[i]))
+      return hl_fail(ctx, HL_ERR_ARG, "--%s '%.40s': %d finite numbers with commas are needed",
+                     option, text, n);
+    at = end + 1;
+  }
+  memcpy(out, value, (size_t)n * sizeof *out);
+  return HL_OK;
+}
+
+static const hl_field *find_field(const hl_option *option)
+{
+  const hl_field_table *table = option->table();
+  for (int i = 0; i < table->n; i++) {
+    const char *a = option->name;
+    const char *b = table->fields[i].name;
+    while (*a && (*a == *b || (*a == '-' && *b == '_'))) {
+      a++;
+      b++;
+    }
+    if (!*a && !*b)
+      return &table->fields[i];
+  }
+  return NULL;
+}
+
+static hl_status set_option(hl_ctx *ctx, const hl_option *option, const char *text, void *args)
+{
+  void *member = (char *)args + option->offset;
+  if (option->table) {
+    const hl_field *field = find_field(option);
+    if (!field)
+      return hl_fail(ctx, HL_ERR_ARG, "--%s has no settings field", option->name);
+    char typed[WORD_MAX + 3]; /* what the message names */
+    snprintf(typed, sizeof typed, "--%s", option->name);
+    hl_field as_typed = *field;
+    as_typed.name = typed;
+    return hl_field_parse(ctx, &as_typed, text, member);
+  }
+  if (option->parse)
+    return option->parse(ctx, text, member);
+  if (!text[0])
+    return hl_fail(ctx, HL_ERR_ARG, "--%s is empty; %s is needed", option->name, option->value);
+  memcpy(member, &text, sizeof text);
+  return HL_OK;
+}
+
+static hl_status unknown_option(hl_ctx *ctx, const hl_command *command, const char *word)
+{
+  const char *names[NAMES_MAX] = {"help"};
+  int n = 1;
+  for (int i = 0; i < command->n_options && n < NAMES_MAX; i++)
+    names[n++] = command->options[i].name;
+  char name[WORD_MAX + 2];
+  snprintf(name, sizeof name, "%.*s", (int)strcspn(word, "="), word);
+  const char *near = hl_options_nearest(name + strspn(name, "-"), names, n);
+  if (near)
+    return hl_fail(ctx, HL_ERR_ARG, "unknown option '%.40s'; did you mean '--%s'?", word, near);
+  return hl_fail(ctx, HL_ERR_ARG, "unknown option '%.40s'; 'halflight %s --help' lists them", word,
+                 command->name);
+}
+
+/* One option at words[*i], its value after '=' or in the next word; moves *i to its last word. */
+static hl_status parse_option(hl_ctx *ctx, const hl_command *command, int n, char *const *words,
+                              int *i, void *args)
+{
+  const char *word = words[*i];
+  const size_t length = strcspn(word + 2, "=");
+  const char *text = word[2 + length] == '=' ? word + 2 + length + 1 : NULL;
+  const hl_option *option = NULL;
+  for (int k = 0; k < command->n_options && !option; k++) {
+    const char *name = command->options[k].name;
+    if (strlen(name) == length && strncmp(name, word + 2, length) == 0)
+      option = &command->options[k];
+  }
+  if (!option)
+    return unknown_option(ctx, command, word);
+  if (!option->value) {
+    const bool yes = true;
+    if (text)
+      return hl_fail(ctx, HL_ERR_ARG, "--%s takes no value, '%.40s' given", option->name, text);
+    memcpy((char *)args + option->offset, &yes, sizeof yes);
+    return HL_OK;
+  }
+  if (!text) {
+    if (*i + 1 >= n || strncmp(words[*i + 1], "--", 2) == 0)
+      return hl_fail(ctx, HL_ERR_ARG, "--%s needs a value: --%s %s", option->name, option->name,
+                     option->value);
+    text = words[++*i];
+  }
+  return set_option(ctx, option, text, args);
+}
+
+static hl_status set_operand(hl_ctx *ctx, const hl_command *command, int k, const char *word,
+                             void *args)
+{
+  if (k >= command->n_operands)
+    return hl_fail(ctx, HL_ERR_ARG,
+                   "'%.80s' is one word too many; 'halflight %s --help' shows the usage", word,
+                   command->name);
+  if (!word[0])
+    return hl_fail(ctx, HL_ERR_ARG, "%s is empty; a file name is needed",
+                   command->operands[k].name);
+  memcpy((char *)args + command->operands[k].offset, &word, sizeof word);
+  return HL_OK;
+}
+
+hl_status hl_options_parse(hl_ctx *ctx, const hl_command *command, int n, char *const *words,
+                           void *args)
+{
+  int operands = 0;
+  bool only_operands = false;
+  for (int i = 0; i < n; i++) {
+    hl_status st = HL_OK;
+    if (!only_operands && strcmp(words[i], "--") == 0)
+      only_operands = true;
+    else if (!only_operands && strncmp(words[i], "--", 2) == 0)
+      st = parse_option(ctx, command, n, words, &i, args);
+    else if (!only_operands && words[i][0] == '-' && words[i][1])
+      st = unknown_option(ctx, command, words[i]);
+    else
+      st = set_operand(ctx, command, operands++, words[i], args);
+    if (st != HL_OK)
+      return st;
+  }
+  if (operands < command->n_operands)
+    return hl_fail(ctx, HL_ERR_ARG, "%s is missing: halflight %s %s ...",
+                   command->operands[operands].name, command->name,
+                   command->operands[operands].name);
+  return HL_OK;
+}
+
+/* ---- help ---- */
+
+static const double UNBOUNDED = 1e30; /* a larger bound is none to a reader */
+
+enum { HELP_WIDTH = 79, HELP_COLUMN = 26 };
+
+/* Text wrapped at HELP_WIDTH, continued at `column`; `at` is where the pen stands. */
+static void print_wrapped(FILE *out, const char *text, int at, int column)
+{
+  while (*text) {
+    const int word = (int)strcspn(text, " ");
+    if (at > column && at + 1 + word > HELP_WIDTH) {
+      fprintf(out, "\n%*s", column, "");
+      at = column;
+    } else if (at > column) {
+      fputc(' ', out);
+      at++;
+    }
+    fprintf(out, "%.*s", word, text);
+    at += word;
+    text += word;
+    text += strspn(text, " ");
+  }
+  fputc('\n', out);
+}
+
+static void print_entry(FILE *out, const char *left, const char *right)
+{
+  int at = fprintf(out, "  %s", left);
+  if (at >= HELP_COLUMN) {
+    fputc('\n', out);
+    at = 0;
+  }
+  fprintf(out, "%*s", HELP_COLUMN - at, "");
+  print_wrapped(out, right, HELP_COLUMN, HELP_COLUMN);
+}
+
+/* "help [unit] (default, range)" of an option that is a settings field. */
+static void describe_field(const hl_option *option, const hl_field *field, const void *args,
+                           char *out, size_t size)
+{
+  const char *at = (const char *)args + option->offset + field->offset;
+  const char *help = option->help ? option->help : field->help;
+  int n = snprintf(out, size, "%s%s%s%s (", help, field->unit[0] ? " [" : "", field->unit,
+                   field->unit[0] ? "]" : "");
+  double value = 0;
+  int whole = 0;
+  if (field->kind == HL_FIELD_DOUBLE) {
+    memcpy(&value, at, sizeof value);
+  } else {
+    memcpy(&whole, at, sizeof whole);
+    value = whole;
+  }
+  if (n < 0 || (size_t)n >= size)
+    return;
+  const bool stated = value >= field->min && value <= field->max;
+  if (field->kind == HL_FIELD_CHOICE && stated)
+    snprintf(out + n, size - (size_t)n, "default %s)", field->choices[whole]);
+  else if (stated && field->max > UNBOUNDED)
+    snprintf(out + n, size - (size_t)n, "default %.6g, at least %.6g)", value, field->min);
+  else if (stated)
+    snprintf(out + n, size - (size_t)n, "default %.6g, %.6g to %.6g)", value, field->min,
+             field->max);
+  else
+    snprintf(out + n, size - (size_t)n, "%.6g to %.6g)", field->min, field->max);
+}
+
+static void print_option(FILE *out, const hl_option *option, const void *args)
+{
+  char left[80];
+  char right[400];
+  snprintf(left, sizeof left, "--%s%s%s", option->name, option->value ? " " : "",
+           option->value ? option->value : "");
+  const hl_field *field = option->table ? find_field(option) : NULL;
+  if (field)
+    describe_field(option, field, args, right, sizeof right);
+  else
+    snprintf(right, sizeof right, "%s", option->help);
+  print_entry(out, left, right);
+}
+
+hl_status hl_options_help(hl_ctx *ctx, const hl_command *command, FILE *out)
+{
+  void *args = calloc(1, command->size);
+  if (!args)
+    return hl_fail(ctx, HL_ERR_MEMORY, "no memory for the arguments");
+  if (command->defaults)
+    command->defaults(args);
+  print_wrapped(out, command->sentence, 0, 0);
+  fprintf(out, "\nusage: halflight %s", command->name);
+  for (int i = 0; i < command->n_operands; i++)
+    fprintf(out, " %s", command->operands[i].name);
+  fprintf(out, "%s\n", command->n_options ? " [options]" : "");
+  for (int i = 0; i < command->n_operands; i++)
+    print_entry(out, command->operands[i].name, command->operands[i].help);
+  for (int i = 0; i < command->n_options; i++) {
+    if (command->options[i].group)
+      fprintf(out, "\n%s:\n", command->options[i].group);
+    print_option(out, &command->options[i], args);
+  }
+  if (command->notes)
+    fprintf(out, "\n%s\n", command->notes);
+  if (command->example)
+    fprintf(out, "\nexample:\n%s\n", command->example);
+  free(args);
+  return HL_OK;
+}

@@ -1,0 +1,333 @@
+/* The light from one frame: gather, search, settle, state the uncertainty, draw the curves.
+ *
+ * Each step is a file: light_gather.c, light_search.c, light_settle.c, light_uncertainty.c,
+ * light_curves.c, light_notes.c; the model is light_model.c, its solver light_refine.c.
+ */
+#include "halflight/light.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "halflight/vec3.h"
+#include "light_work.h"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+enum { LARGEST_SURFACE = 1 << 28 };
+static const double chi2_95 = 5.9914645471079817; /* 2 degrees of freedom */
+
+hl_light_settings hl_light_defaults(void)
+{
+  const hl_light_settings s = {.lobe = HL_LOBE_AUTO,
+                               .threads = 1,
+                               .model_error = 0.02,
+                               .outlier_sigmas = 8,
+                               .widest_deg = 150};
+  return s;
+}
+
+const hl_field_table *hl_light_fields(void)
+{
+  static const char *const lobes[] = {"auto", "plain", "foreshortened", NULL};
+  static const hl_field fields[] = {
+      {"lobe", HL_FIELD_CHOICE, offsetof(hl_light_settings, lobe), 0, 2, "",
+       "form of the specular lobe; auto keeps the one with the smaller residual", lobes},
+      {"threads", HL_FIELD_INT, offsetof(hl_light_settings, threads), 0, 256, "",
+       "threads to use, 0 for as many as the machine has; the result does not depend on it", NULL},
+      {"model_error", HL_FIELD_DOUBLE, offsetof(hl_light_settings, model_error), 1e-4, 0.5, "",
+       "error of the model relative to the radiance, while searching", NULL},
+      {"outlier_sigmas", HL_FIELD_DOUBLE, offsetof(hl_light_settings, outlier_sigmas), 0, 1e6, "",
+       "leave out pixels that differ by so many deviations; 0 never does", NULL},
+      {"widest_deg", HL_FIELD_DOUBLE, offsetof(hl_light_settings, widest_deg), 10, 180, "deg",
+       "largest angle of the light from the view that is searched", NULL},
+  };
+  static const hl_field_table table = {"light settings", fields,
+                                       (int)(sizeof fields / sizeof *fields)};
+  return &table;
+}
+
+/* Carves arrays off one block; with a NULL base it only adds up their sizes. */
+typedef struct arena {
+  char *base;
+  size_t used;
+} arena;
+
+static void *carve(arena *a, size_t count, size_t size)
+{
+  void *at = a->base ? a->base + a->used : NULL;
+  a->used += (count * size + 63) / 64 * 64;
+  return at;
+}
+
+static void carve_data(arena *a, hl_light_data *d, size_t n, int channels)
+{
+  for (int k = 0; k < 3; k++) {
+    d->normal[k] = carve(a, n, sizeof(double));
+    d->view[k] = carve(a, n, sizeof(double));
+  }
+  d->footprint = carve(a, n, sizeof(double));
+  d->clipped = carve(a, n, 1);
+  for (int c = 0; c < channels; c++) {
+    d->value[c] = carve(a, n, sizeof(double));
+    d->weight[c] = carve(a, n, sizeof(double));
+  }
+}
+
+static void carve_work(arena *a, hl_light_work *w)
+{
+  const size_t n = (size_t)w->max_pixels;
+  carve_data(a, &w->all, n, w->channels);
+  carve_data(a, &w->coarse, HL_COARSE_MAX, 1);
+  w->grey = w->all;
+  w->grey.value[0] = carve(a, n, sizeof(double));
+  w->grey.weight[0] = carve(a, n, sizeof(double));
+  w->grey.clipped = carve(a, n, 1);
+  const size_t rows = n > HL_COARSE_MAX ? n : HL_COARSE_MAX;
+  w->model.clipped = carve(a, rows * (size_t)w->channels, sizeof *w->model.clipped);
+  w->ranked = carve(a, 2 * n, sizeof *w->ranked);
+  w->fit = carve(a, n, sizeof *w->fit);
+  w->score = carve(a, n, sizeof *w->score);
+  w->index = carve(a, n, sizeof *w->index);
+  w->outlier = carve(a, n, 1);
+  w->predicted = carve(a, n, sizeof(float));
+  w->measured = carve(a, n, sizeof(float));
+  w->weight = carve(a, n, sizeof(float));
+}
+
+hl_status hl_light_work_new(hl_ctx *ctx, int max_pixels, int channels, hl_light_work **out)
+{
+  if (max_pixels < 1 || max_pixels > LARGEST_SURFACE)
+    return hl_fail(ctx, HL_ERR_ARG, "max_pixels = %d is outside [1, %d]", max_pixels,
+                   LARGEST_SURFACE);
+  if (channels != 1 && channels != HL_CHANNELS_MAX)
+    return hl_fail(ctx, HL_ERR_ARG, "channels = %d is neither 1 nor 3", channels);
+  hl_light_work *w = calloc(1, sizeof *w);
+  if (!w)
+    return hl_fail(ctx, HL_ERR_MEMORY, "no memory for a light workspace");
+  w->max_pixels = max_pixels;
+  w->channels = channels;
+  arena a = {NULL, 0};
+  carve_work(&a, w);
+  a.base = w->pool = malloc(a.used);
+  if (!w->pool) {
+    free(w);
+    return hl_fail(ctx, HL_ERR_MEMORY, "no memory for a light workspace of %d pixels", max_pixels);
+  }
+  a.used = 0;
+  carve_work(&a, w);
+  memset(w->predicted, 0, (size_t)max_pixels * sizeof *w->predicted);
+  memset(w->measured, 0, (size_t)max_pixels * sizeof *w->measured);
+  memset(w->weight, 0, (size_t)max_pixels * sizeof *w->weight);
+  *out = w;
+  return HL_OK;
+}
+
+void hl_light_work_free(hl_light_work *work)
+{
+  if (!work)
+    return;
+  free(work->pool);
+  free(work);
+}
+
+static int threads_of(const hl_light_settings *settings)
+{
+#ifdef _OPENMP
+  return settings->threads > 0 ? settings->threads : omp_get_max_threads();
+#else
+  (void)settings;
+  return 1;
+#endif
+}
+
+static hl_status search_both(hl_ctx *ctx, hl_light_work *work, const hl_light_settings *settings,
+                             double start[2][3])
+{
+  hl_light_candidate best[2] = {{.cost = HUGE_VAL}, {.cost = HUGE_VAL}};
+  for (int kind = 0; kind < 2; kind++) {
+    const hl_lobe lobe = kind == 0 ? HL_LOBE_PLAIN : HL_LOBE_FORESHORTENED;
+    hl_light_candidate found[HL_CANDIDATES];
+    if (settings->lobe != HL_LOBE_AUTO && settings->lobe != lobe)
+      continue;
+    if (hl_light_search(work, settings, lobe, found) > 0)
+      best[kind] = found[0];
+  }
+  for (int kind = 0; kind < 2; kind++)
+    if (!isfinite(best[kind].cost))
+      best[kind] = best[1 - kind];
+  if (!isfinite(best[0].cost))
+    return hl_fail(ctx, HL_ERR_DEGENERATE, "no direction of light explains these pixels");
+  for (int kind = 0; kind < 2; kind++)
+    memcpy(start[kind], best[kind].s, sizeof best[kind].s);
+  return HL_OK;
+}
+
+static void set_ellipse(hl_light *out)
+{
+  const double a = out->covariance_rad2[0][0], b = out->covariance_rad2[0][1],
+               c = out->covariance_rad2[1][1];
+  const double half = 0.5 * (a + c);
+  const double root = sqrt(fmax(0, 0.25 * (a - c) * (a - c) + b * b));
+  out->ellipse_95_rad[0] = sqrt(chi2_95 * (half + root));
+  out->ellipse_95_rad[1] = sqrt(chi2_95 * fmax(0, half - root));
+}
+
+static void set_direction(const hl_light_work *work, hl_light *out)
+{
+  const hl_light_data *d = &work->all;
+  double view[3] = {0};
+  memcpy(out->direction, work->best.at.s, sizeof out->direction);
+  memcpy(out->tangent_basis, work->best.at.t, sizeof out->tangent_basis);
+  for (int i = 0; i < d->n; i++)
+    for (int k = 0; k < 3; k++)
+      view[k] += d->view[k][i];
+  hl_unit(view, view);
+  hl_add_scaled(out->direction, 1, view, out->half_angle_direction);
+  hl_unit(out->half_angle_direction, out->half_angle_direction);
+}
+
+/* Angle from the highlight out to which pixels are clipped: all but the last few of them. */
+static double clipped_to_rad(const hl_light_work *work)
+{
+  const hl_light_data *d = &work->all;
+  const double *s = work->best.at.s;
+  double sum = 0, sum2 = 0;
+  int n = 0;
+  for (int i = 0; i < d->n; i++)
+    if (d->clipped[i]) {
+      const double normal[3] = {d->normal[0][i], d->normal[1][i], d->normal[2][i]};
+      const double view[3] = {d->view[0][i], d->view[1][i], d->view[2][i]};
+      double h[3];
+      hl_add_scaled(s, 1, view, h);
+      const double angle = hl_angle(normal, h);
+      sum += angle;
+      sum2 += angle * angle;
+      n++;
+    }
+  if (n == 0)
+    return 0;
+  const double mean = sum / n;
+  return mean + 2 * sqrt(fmax(0, sum2 / n - mean * mean));
+}
+
+/* A dielectric's lobe has the light's colour; a matte ball's body is the best there is. Where the
+ * highlight is clipped its height is unknown in that channel, so the lobe is compared over the flank:
+ * from where clipping ends to a tenth of its value there. */
+static void set_color(const hl_light_work *work, hl_light *out)
+{
+  const char *lobe = out->lobe == HL_LOBE_AUTO ? "diffuse" : "specular";
+  const double from = out->lobe == HL_LOBE_AUTO ? 0 : clipped_to_rad(work);
+  double sum[HL_CHANNELS_MAX] = {0}, most = 0;
+  int c = 0;
+  for (int k = 0; k < out->n_curves; k++) {
+    const hl_curve *curve = &out->curves[k];
+    double top = -1;
+    if (strcmp(curve->lobe, lobe) != 0)
+      continue;
+    for (int i = 0; i < curve->n; i++) {
+      if (curve->angle_rad[i] < from)
+        continue;
+      top = top < 0 ? curve->value[i] : top;
+      sum[c] += curve->value[i] >= 0.1 * top ? curve->value[i] : 0;
+    }
+    most = sum[c] > most ? sum[c] : most;
+    c++;
+  }
+  for (int k = 0; k < 3; k++)
+    out->color[k] = most > 0 ? sum[out->channels == 1 ? 0 : k] / most : 1;
+}
+
+/* The work's arrays are of gathered pixels; callers index by the surface. */
+static void spread_over_surface(hl_light_work *work, int surface_n)
+{
+  const float level = (float)work->brightness.level;
+  memset(work->score, 0, (size_t)surface_n * sizeof *work->score);
+  for (int p = 0; p < work->all.n; p++) {
+    double *at = work->score[work->index[p]];
+    at[0] = level * work->predicted[p];
+    at[1] = level * work->measured[p];
+    at[2] = work->outlier[p] ? 0 : 1;
+  }
+  for (int i = 0; i < surface_n; i++) {
+    work->predicted[i] = (float)work->score[i][0];
+    work->measured[i] = (float)work->score[i][1];
+    work->weight[i] = (float)work->score[i][2];
+  }
+}
+
+static hl_status no_light(hl_ctx *ctx, hl_light *out)
+{
+  out->found = out->trusted = false;
+  return hl_fail(ctx, HL_ERR_DEGENERATE, "no light: %s", out->reasons.note[0].why);
+}
+
+hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *frame,
+                            const hl_surface *surface, const hl_sphere *sphere,
+                            const hl_light_settings *settings, hl_light *out)
+{
+  hl_light_settings own = settings ? *settings : hl_light_defaults();
+  hl_light_settled settled;
+  hl_light_spread spread;
+  double start[2][3];
+  hl_status st = hl_fields_check(ctx, hl_light_fields(), &own);
+  if (st != HL_OK)
+    return st;
+  own.threads = threads_of(&own);
+  st = hl_light_gather(ctx, work, frame, surface);
+  if (st != HL_OK)
+    return st;
+  memset(out, 0, sizeof *out);
+  out->channels = frame->channels;
+  if (hl_light_hopeless(work, frame, out))
+    return no_light(ctx, out);
+  st = search_both(ctx, work, &own, start);
+  if (st == HL_OK)
+    st = hl_light_settle(ctx, work, surface, &own, (const double(*)[3])start, &settled);
+  if (st != HL_OK) {
+    hl_notes_add(&out->reasons, "no fit", "%s", ctx ? ctx->msg : "no model can be fitted");
+    return no_light(ctx, out);
+  }
+  const hl_light_variant *kept = &settled.variant[settled.kept];
+  out->found = true;
+  out->lobe = kept->model.has_lobe ? kept->model.lobe : HL_LOBE_AUTO;
+  set_direction(work, out);
+  hl_light_uncertainty(work, surface, &kept->model, &settled, own.threads, &spread);
+  memcpy(out->covariance_rad2, spread.covariance, sizeof out->covariance_rad2);
+  hl_light_curves(work, &kept->model, own.threads, out);
+  const bool pose_share = sphere && sphere->has_covariance;
+  if (pose_share) {
+    double pose[2][2];
+    hl_light_pose_share(work, &kept->model, &spread, sphere, own.threads, pose);
+    for (int i = 0; i < 2; i++)
+      for (int j = 0; j < 2; j++)
+        out->covariance_rad2[i][j] += pose[i][j];
+  }
+  set_ellipse(out);
+  set_color(work, out);
+  out->n_pixels = work->all.n;
+  out->n_clipped = work->brightness.clipped;
+  out->n_outliers = settled.outliers;
+  out->iterations = settled.iterations;
+  out->rms = spread.rms;
+  out->relative_error = spread.relative_error;
+  out->condition = spread.condition;
+  out->evidence_highlight = spread.highlight_share;
+  out->masking_exponent = kept->model.masking ? work->best.at.exponent : 0;
+  hl_light_notes(work, &settled, &spread, sphere, out);
+  spread_over_surface(work, surface->n);
+  return HL_OK;
+}
+
+void hl_light_fitted(const hl_light_work *work, const float **predicted, const float **measured,
+                     const float **weight)
+{
+  if (predicted)
+    *predicted = work->predicted;
+  if (measured)
+    *measured = work->measured;
+  if (weight)
+    *weight = work->weight;
+}

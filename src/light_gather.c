@@ -1,0 +1,171 @@
+/* Pixels of a frame and a surface, brought together as the estimate wants them.
+ *
+ * Radiance is divided by the median of the lit pixels, so that nothing after depends on exposure:
+ * a frame times 1e12 gives the same bits as the frame, as far as floats reach.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "light_work.h"
+
+static const double lit_share = 0.02; /* of the 90th percentile: darker pixels are in shadow */
+static const double least_level_in_noise = 4;
+
+/* Largest key first, ties in place: merge sort, because qsort may allocate. `scratch` has n places. */
+static void sort_descending(hl_ranked *ranked, hl_ranked *scratch, int n)
+{
+  hl_ranked *from = ranked, *to = scratch;
+  for (int width = 1; width < n; width *= 2) {
+    for (int left = 0; left < n; left += 2 * width) {
+      const int middle = left + width < n ? left + width : n;
+      const int right = left + 2 * width < n ? left + 2 * width : n;
+      int i = left, j = middle;
+      for (int k = left; k < right; k++)
+        to[k] = i < middle && (j >= right || from[i].key >= from[j].key) ? from[i++] : from[j++];
+    }
+    hl_ranked *swap = from;
+    from = to;
+    to = swap;
+  }
+  if (from != ranked)
+    memcpy(ranked, from, (size_t)n * sizeof *ranked);
+}
+
+/* The surface's pixels in the frame's order, so that no answer depends on how a caller lists them. */
+static void order_by_pixel(struct hl_light_work *work, const hl_surface *surface)
+{
+  bool ascending = true;
+  for (int i = 0; i < surface->n; i++) {
+    work->ranked[i].key = -surface->pixel[i];
+    work->ranked[i].index = i;
+    ascending = ascending && (i == 0 || surface->pixel[i] > surface->pixel[i - 1]);
+  }
+  if (!ascending)
+    sort_descending(work->ranked, work->ranked + work->max_pixels, surface->n);
+}
+
+static void gather_pixel(struct hl_light_work *work, const hl_frame *frame,
+                         const hl_surface *surface, int i)
+{
+  hl_light_data *all = &work->all;
+  const int p = all->n;
+  const size_t at = (size_t)surface->pixel[i] * (size_t)frame->channels;
+  double sum = 0;
+  all->clipped[p] = 0;
+  for (int c = 0; c < frame->channels; c++) {
+    if (frame->state[at + (size_t)c] == HL_SAMPLE_UNUSABLE)
+      return;
+    if (frame->state[at + (size_t)c] == HL_SAMPLE_CLIPPED)
+      all->clipped[p] |= (uint8_t)(1 << c);
+    all->value[c][p] = (double)frame->radiance[at + (size_t)c];
+    sum += all->value[c][p];
+  }
+  for (int k = 0; k < 3; k++) {
+    all->normal[k][p] = surface->normal[3 * i + k];
+    all->view[k][p] = surface->view[3 * i + k];
+  }
+  all->footprint[p] = surface->footprint[i];
+  work->grey.value[0][p] = sum / frame->channels;
+  work->grey.clipped[p] = all->clipped[p] != 0;
+  work->outlier[p] = 0;
+  work->index[p] = i;
+  all->n++;
+}
+
+/* Noise of the grey values: second differences along the frame's rows, large ones capped. */
+static double noise_of(const struct hl_light_work *work, const hl_surface *surface)
+{
+  const hl_light_data *grey = &work->grey;
+  double cap = HUGE_VAL, mean = 0;
+  for (int round = 0; round < 6; round++) {
+    double sum = 0;
+    long used = 0;
+    for (int i = 1; i + 1 < grey->n; i++) {
+      if (!hl_light_in_a_row(work, surface, i))
+        continue;
+      const double bend = grey->value[0][i - 1] - 2 * grey->value[0][i] + grey->value[0][i + 1];
+      sum += fmin(bend * bend / 6, cap);
+      used++;
+    }
+    mean = used > 0 ? sum / (double)used : 0;
+    cap = 6 * mean;
+  }
+  return sqrt(mean);
+}
+
+/* Lit pixels are those above lit_share of the n / part-th brightest; their median is the level. */
+static void find_level(struct hl_light_work *work, int part)
+{
+  const int n = work->all.n;
+  hl_light_brightness *b = &work->brightness;
+  b->lit = 0;
+  while (b->lit < n && work->ranked[b->lit].key > lit_share * work->ranked[n / part].key)
+    b->lit++;
+  b->level = b->lit > 0 ? work->ranked[b->lit / 2].key : 0;
+}
+
+static void scale_to_level(struct hl_light_work *work, const hl_surface *surface)
+{
+  const int n = work->all.n;
+  hl_light_brightness *b = &work->brightness;
+  memset(b, 0, sizeof *b);
+  for (int i = 0; i < n; i++) {
+    work->ranked[i].key = work->grey.value[0][i];
+    work->ranked[i].index = i;
+    b->clipped += work->all.clipped[i] != 0;
+  }
+  const double noise = noise_of(work, surface);
+  sort_descending(work->ranked, work->ranked + work->max_pixels, n);
+  /* a tenth of the ball is lit, or less: a crescent, whose level must not be that of the dark's noise */
+  find_level(work, 10);
+  for (int part = 50; part <= 250 && b->level < least_level_in_noise * noise; part *= 5)
+    find_level(work, part);
+  if (!(b->level > 0))
+    return;
+  const double unit = 1 / b->level;
+  b->p98 = unit * work->ranked[n / 50].key;
+  b->p50 = unit * work->ranked[n / 2].key;
+  b->p2 = unit * work->ranked[n - 1 - n / 50].key;
+  for (int i = 0; i < n; i++) {
+    work->ranked[i].key *= unit;
+    work->grey.value[0][i] *= unit;
+    for (int c = 0; c < work->all.channels; c++)
+      work->all.value[c][i] *= unit;
+  }
+}
+
+hl_status hl_light_gather(hl_ctx *ctx, struct hl_light_work *work, const hl_frame *frame,
+                          const hl_surface *surface)
+{
+  if (frame->width != surface->width || frame->height != surface->height)
+    return hl_fail(ctx, HL_ERR_ARG, "frame is %d x %d, but the surface is of a frame of %d x %d",
+                   frame->width, frame->height, surface->width, surface->height);
+  if (frame->channels != work->channels)
+    return hl_fail(ctx, HL_ERR_ARG, "frame has %d channels, but the workspace is for %d",
+                   frame->channels, work->channels);
+  if (surface->n > work->max_pixels)
+    return hl_fail(ctx, HL_ERR_ARG, "surface has %d pixels, but the workspace is for %d",
+                   surface->n, work->max_pixels);
+  work->all.n = 0;
+  work->all.channels = frame->channels;
+  order_by_pixel(work, surface);
+  for (int i = 0; i < surface->n; i++)
+    gather_pixel(work, frame, surface, work->ranked[i].index);
+  const int n = work->all.n;
+  work->grey.n = n;
+  work->grey.channels = 1;
+  memset(&work->brightness, 0, sizeof work->brightness);
+  if (n > 0)
+    scale_to_level(work, surface);
+  return HL_OK;
+}
+
+void hl_light_weigh(hl_light_data *data, hl_light_noise noise, const uint8_t *outlier)
+{
+  const double absolute2 = noise.absolute * noise.absolute;
+  for (int c = 0; c < data->channels; c++)
+    for (int i = 0; i < data->n; i++) {
+      const double y = noise.relative * data->value[c][i];
+      data->weight[c][i] = outlier && outlier[i] ? 0 : 1 / (y * y + absolute2);
+    }
+}

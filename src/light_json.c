@@ -1,0 +1,240 @@
+/* LIGHT.json: what one frame said about its light.
+ *
+ * Curves are radiance (BRDF x cos x light) against an angle in degrees; everything else that is an
+ * angle and not named *_deg is in radians. Members keep one order, numbers 17 digits. Where no
+ * direction was found the lists are empty and the figures null; the reasons remain. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "halflight/export.h"
+#include "json_write.h"
+
+/* M_PI is not C11 */
+static const double degrees = 180 / 3.14159265358979323846;
+
+/* Sets a member and takes over `value`; false without memory. */
+static bool set(json_t *object, const char *name, json_t *value)
+{
+  return json_object_set_new(object, name, value) == 0;
+}
+
+static bool push(json_t *array, json_t *value)
+{
+  return json_array_append_new(array, value) == 0;
+}
+
+static json_t *kept(json_t *value, bool good)
+{
+  if (good)
+    return value;
+  json_decref(value);
+  return NULL;
+}
+
+/* One value for red, green and blue where the frame is grey. */
+static json_t *rgb(const double value[3], int channels)
+{
+  const double grey[3] = {value[0], value[0], value[0]};
+  return hl_json_reals(channels == 1 ? grey : value, 3);
+}
+
+static json_t *reason_list(const hl_notes *notes)
+{
+  json_t *list = json_array();
+  bool good = list != NULL;
+  for (int i = 0; i < notes->n && good; i++) {
+    const hl_note *note = &notes->note[i];
+    const char *between = note->what[0] && note->why[0] ? ": " : "";
+    good = push(list, json_sprintf("%s%s%s", note->what, between, note->why));
+  }
+  return kept(list, good);
+}
+
+static json_t *used_list(const hl_notes *notes)
+{
+  json_t *list = json_array();
+  bool good = list != NULL;
+  for (int i = 0; i < notes->n && good; i++)
+    good = push(list, json_string(notes->note[i].what));
+  return kept(list, good);
+}
+
+static json_t *left_out_list(const hl_notes *notes)
+{
+  json_t *list = json_array();
+  bool good = list != NULL;
+  for (int i = 0; i < notes->n && good; i++)
+    good =
+        push(list, json_pack("{s:s,s:s}", "what", notes->note[i].what, "why", notes->note[i].why));
+  return kept(list, good);
+}
+
+static json_t *matrix(const double *rows, int n, int m)
+{
+  json_t *list = json_array();
+  bool good = list != NULL;
+  for (int i = 0; i < n && good; i++)
+    good = push(list, hl_json_reals(rows + (size_t)i * (size_t)m, m));
+  return kept(list, good);
+}
+
+static json_t *light_list(const hl_light *light)
+{
+  json_t *list = json_array();
+  if (!list || !light->found)
+    return list;
+  const double ellipse[2] = {light->ellipse_95_rad[0] * degrees,
+                             light->ellipse_95_rad[1] * degrees};
+  json_t *one = json_object();
+  const bool good = one && set(one, "direction", hl_json_reals(light->direction, 3)) &&
+                    set(one, "tangent_basis", matrix(light->tangent_basis[0], 2, 3)) &&
+                    set(one, "covariance_rad2", matrix(light->covariance_rad2[0], 2, 2)) &&
+                    set(one, "ellipse_95_deg", hl_json_reals(ellipse, 2)) &&
+                    set(one, "color", rgb(light->color, light->channels)) &&
+                    set(one, "position_m", json_null());
+  one = kept(one, good);
+  return kept(list, good && push(list, one));
+}
+
+static bool has_curve(const hl_light *light, const char *lobe)
+{
+  for (int i = 0; i < light->n_curves; i++)
+    if (strcmp(light->curves[i].lobe, lobe) == 0)
+      return true;
+  return false;
+}
+
+static json_t *lobe_list(const hl_light *light)
+{
+  json_t *list = json_array();
+  bool good = list != NULL;
+  if (light->found && good && has_curve(light, "diffuse"))
+    good = push(list, json_pack("{s:s,s:s,s:o}", "name", "diffuse", "axis", "light", "strength",
+                                rgb(light->diffuse_strength, light->channels)));
+  if (light->found && good && light->lobe != HL_LOBE_AUTO)
+    good =
+        push(list, json_pack("{s:s,s:s,s:o,s:o,s:s}", "name", "specular", "axis", "half-angle",
+                             "direction", hl_json_reals(light->half_angle_direction, 3), "strength",
+                             rgb(light->lobe_strength, light->channels), "foreshortening",
+                             light->lobe == HL_LOBE_FORESHORTENED ? "1/(n.v)" : "none"));
+  return kept(list, good);
+}
+
+static json_t *curve_list(const hl_light *light)
+{
+  json_t *list = json_array();
+  bool good = list != NULL;
+  for (int i = 0; light->found && i < light->n_curves && good; i++) {
+    const hl_curve *curve = &light->curves[i];
+    double angle_deg[HL_CURVE_POINTS];
+    for (int k = 0; k < curve->n; k++)
+      angle_deg[k] = curve->angle_rad[k] * degrees;
+    good = push(list,
+                json_pack("{s:s,s:s,s:s,s:o,s:o}", "lobe", curve->lobe, "channel", curve->channel,
+                          "quantity", "radiance", "angle_deg", hl_json_reals(angle_deg, curve->n),
+                          "value", hl_json_reals(curve->value, curve->n)));
+  }
+  return kept(list, good);
+}
+
+static const char *verdict_text(hl_identifiability verdict)
+{
+  switch (verdict) {
+  case HL_UNIQUE:
+    return "unique";
+  case HL_AMBIGUOUS:
+    return "ambiguous";
+  case HL_NOT_GUARANTEED:
+    break;
+  }
+  return "not guaranteed";
+}
+
+static json_t *text_or_null(const char *text)
+{
+  return text ? json_string(text) : json_null();
+}
+
+static const char *lobe_text(hl_lobe lobe)
+{
+  if (lobe == HL_LOBE_AUTO)
+    return "none";
+  return lobe == HL_LOBE_PLAIN ? "plain" : "foreshortened";
+}
+
+static json_t *identifiability(const hl_light *light)
+{
+  const bool known = light->found;
+  return json_pack("{s:s,s:o,s:o}", "verdict",
+                   known ? verdict_text(light->verdict) : "not guaranteed", "proposition",
+                   text_or_null(known ? light->proposition : NULL), "free",
+                   text_or_null(known ? light->stays_free : NULL));
+}
+
+static json_t *fit_object(const hl_light *light)
+{
+  const double no = NAN;
+  const bool known = light->found;
+  json_t *fit = json_object();
+  json_t *evidence = json_object();
+  const double highlight = known ? light->evidence_highlight : no;
+  const bool told = evidence && set(evidence, "highlight", hl_json_real(highlight)) &&
+                    set(evidence, "shading", hl_json_real(1 - highlight));
+  evidence = kept(evidence, told);
+  const bool good =
+      fit && set(fit, "pixels", json_integer(known ? light->n_pixels : 0)) &&
+      set(fit, "clipped", json_integer(known ? light->n_clipped : 0)) &&
+      set(fit, "outliers", json_integer(known ? light->n_outliers : 0)) &&
+      set(fit, "iterations", json_integer(known ? light->iterations : 0)) &&
+      set(fit, "rms", hl_json_real(known ? light->rms : no)) &&
+      set(fit, "relative_error", hl_json_real(known ? light->relative_error : no)) &&
+      set(fit, "condition", hl_json_real(known ? light->condition : no)) &&
+      set(fit, "masking_exponent", hl_json_real(known ? light->masking_exponent : no)) &&
+      set(fit, "mean_cos_view", hl_json_real(known ? light->mean_cos_view : no)) &&
+      set(fit, "ambient", known ? rgb(light->ambient, light->channels) : json_null()) &&
+      set(fit, "lobe", known ? json_string(lobe_text(light->lobe)) : json_null());
+  /* `evidence` is taken over only by a call that is reached */
+  if (!good) {
+    json_decref(evidence);
+    return kept(fit, false);
+  }
+  return kept(fit, set(fit, "evidence", evidence) &&
+                       set(fit, "identifiability", identifiability(light)));
+}
+
+static json_t *timing_object(const hl_timing *timing)
+{
+  if (!timing)
+    return json_null();
+  return json_pack("{s:f,s:f,s:f,s:f}", "read", timing->read_ms, "locate", timing->locate_ms,
+                   "estimate", timing->estimate_ms, "export", timing->export_ms);
+}
+
+hl_status hl_light_json(hl_ctx *ctx, const hl_light *light, const hl_timing *timing, char **out)
+{
+  const hl_notes none = {0};
+  const bool trusted = light->found && light->trusted;
+  json_t *d = json_object();
+  const bool good = d && set(d, "format", json_string("halflight-light")) &&
+                    set(d, "version", json_integer(1)) &&
+                    set(d, "status", json_string(trusted ? "ok" : "untrusted")) &&
+                    set(d, "reasons", reason_list(&light->reasons)) &&
+                    set(d, "lights", light_list(light)) && set(d, "lobes", lobe_list(light)) &&
+                    set(d, "curves", curve_list(light)) && set(d, "fit", fit_object(light)) &&
+                    set(d, "used", used_list(light->found ? &light->used : &none)) &&
+                    set(d, "left_out", left_out_list(light->found ? &light->left_out : &none)) &&
+                    set(d, "timing_ms", timing_object(timing));
+  return hl_json_text(ctx, kept(d, good), out);
+}
+
+hl_status hl_light_json_write(hl_ctx *ctx, const char *path, const hl_light *light,
+                              const hl_timing *timing)
+{
+  char *text = NULL;
+  hl_status st = hl_light_json(ctx, light, timing, &text);
+  if (st == HL_OK)
+    st = hl_file_write(ctx, path, text, strlen(text));
+  free(text);
+  return st;
+}

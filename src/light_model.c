@@ -1,0 +1,237 @@
+/* The light model fitted to all pixels at one direction of light, and its derivative by it.
+ *
+ * For given s the model is linear in its curves x (rows: light_rows.c), so they are solved for and
+ * the cost is a function of s (and the masking's exponent) alone: variable projection,
+ *
+ *   cost(s) = min_x (y - X(s)x)'W(y - X(s)x) + x'Rx.
+ *
+ * With D = d(X x) at fixed x, its gradient is -2 D'W r and its Gauss-Newton matrix, after Kaufman,
+ * D'WD - (X'WD)'(X'WX + R)^-1 (X'WD). Golub and Pereyra 1973; Kaufman 1975.
+ *
+ * Pixels are summed in HL_BLOCKS fixed blocks, and the blocks in order, so that the bits do not
+ * depend on how many threads share them.
+ */
+#include "light_model.h"
+
+#include <string.h>
+
+#include "halflight/vec3.h"
+#include "light_censor.h"
+#include "light_rows.h"
+
+static void accumulate_block(const hl_light_model *model, const hl_light_data *data,
+                             const double s[3], double exponent, hl_model_work *work, int b)
+{
+  const int m = hl_model_border(model);
+  const int n = model->has_lobe ? model->spline.n : 0;
+  const int end = hl_block_first(data->n, b + 1);
+  hl_clipped_row *row = hl_clipped_rows(data, work, b);
+  int rows = 0;
+  hl_rows c;
+  for (int k = 0; k < data->channels; k++)
+    hl_normal_clear(&work->block[b][k], n, m);
+  for (int first = hl_block_first(data->n, b); first < end; first += HL_ROWS_CHUNK) {
+    const int count = end - first < HL_ROWS_CHUNK ? end - first : HL_ROWS_CHUNK;
+    hl_rows_geometry(model, data, first, count, s, exponent, NULL, &c);
+    for (int i = 0; i < count; i++) {
+      double band[4] = {0}, border[HL_BORDER_MAX] = {0};
+      int at = 0;
+      const int p = first + i;
+      if (c.lit[i] <= 0 && !model->ambient) {
+        for (int k = 0; k < data->channels; k++) /* clipped in shadow: cannot be explained, costs */
+          work->block[b][k].yy += data->weight[k][p] * data->value[k][p] * data->value[k][p];
+        continue;
+      }
+      if (n > 0) {
+        at = hl_spline_values(&model->spline, c.u[i], band);
+        for (int k = 0; k < 4; k++)
+          band[k] *= c.lit[i] * c.g[i];
+      }
+      hl_rows_border(model, c.body[i], c.nv[i], border);
+      for (int k = 0; k < data->channels; k++) {
+        const double weight = data->weight[k][p];
+        if (data->clipped[p] >> k & 1) {
+          hl_clipped_row *r = &row[rows++];
+          memcpy(r->band, band, sizeof band);
+          memcpy(r->border, border, sizeof border);
+          r->weight = weight;
+          r->value = data->value[k][p];
+          r->first = at;
+          r->channel = k;
+          r->active = true;
+        } else if (weight > 0) {
+          hl_normal_add(&work->block[b][k], at, band, border, weight, data->value[k][p]);
+        }
+      }
+    }
+  }
+  work->n_clipped[b] = rows;
+}
+
+/* One thread goes without OpenMP, whose runtime may allocate. */
+static void accumulate(const hl_light_model *model, const hl_light_data *data, const double s[3],
+                       double exponent, int threads, hl_model_work *work)
+{
+  if (threads > 1) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int b = 0; b < HL_BLOCKS; b++)
+      accumulate_block(model, data, s, exponent, work, b);
+  } else {
+    for (int b = 0; b < HL_BLOCKS; b++)
+      accumulate_block(model, data, s, exponent, work, b);
+  }
+}
+
+void hl_model_normal(const hl_light_model *model, const hl_light_data *data, const double s[3],
+                     double exponent, int threads, hl_model_work *work, const hl_model_point *at,
+                     hl_normal normal[HL_CHANNELS_MAX])
+{
+  accumulate(model, data, s, exponent, threads, work);
+  for (int c = 0; c < data->channels; c++)
+    hl_censor_normal(model, data, c, at->x[c], work, &normal[c]);
+}
+
+int hl_model_fit(const hl_light_model *model, const hl_light_data *data, const double s[3],
+                 double exponent, int threads, hl_model_work *work, hl_model_point *out)
+{
+  accumulate(model, data, s, exponent, threads, work);
+  memcpy(out->s, s, sizeof out->s);
+  out->exponent = exponent;
+  hl_tangent_basis(s, out->t[0], out->t[1]);
+  out->cost = model->masking ? model->exponent_weight * exponent * exponent : 0;
+  for (int k = 0; k < data->channels; k++) {
+    double cost = 0;
+    if (hl_censor_solve(model, data, k, work, out, &cost) != 0)
+      return -1;
+    out->cost += cost;
+  }
+  return out->cost == out->cost ? 0 : -1;
+}
+
+static void differentiate_block(const hl_light_model *model, const hl_light_data *data,
+                                const hl_model_point *at, hl_model_work *work, int b)
+{
+  const int n = model->has_lobe ? model->spline.n : 0;
+  const int q = hl_model_nonlinear(model);
+  const int end = hl_block_first(data->n, b + 1);
+  double *inner = work->inner[b];
+  double *gradient = inner + HL_SYSTEM_MAX, *cost = gradient + HL_NONLINEAR_MAX;
+  memset(inner, 0, sizeof work->inner[b]);
+  memset(work->cross[b], 0, sizeof work->cross[b]);
+  hl_rows c;
+  for (int first = hl_block_first(data->n, b); first < end; first += HL_ROWS_CHUNK) {
+    const int count = end - first < HL_ROWS_CHUNK ? end - first : HL_ROWS_CHUNK;
+    hl_rows_geometry(model, data, first, count, at->s, at->exponent, at->t, &c);
+    for (int i = 0; i < count; i++) {
+      const int p = first + i;
+      for (int k = 0; k < data->channels; k++) {
+        const double weight = data->weight[k][p];
+        double band[4] = {0}, border[HL_BORDER_MAX] = {0}, d[HL_NONLINEAR_MAX];
+        int column = 0;
+        if (!(weight > 0))
+          continue;
+        if (c.lit[i] <= 0 && !model->ambient) {
+          *cost += weight * data->value[k][p] * data->value[k][p];
+          continue;
+        }
+        const double fit = hl_rows_predict(model, &c, i, at->x[k], &column, band, border, d, NULL);
+        if ((data->clipped[p] >> k & 1) && !(fit < data->value[k][p]))
+          continue;
+        const double r = data->value[k][p] - fit;
+        *cost += weight * r * r;
+        double(*cross)[HL_NONLINEAR_MAX] = work->cross[b][k];
+        for (int u = 0, at_inner = 0; u < q; u++) {
+          const double wd = weight * d[u];
+          gradient[u] += wd * r;
+          for (int v = u; v < q; v++)
+            inner[at_inner++] += wd * d[v];
+          if (n > 0)
+            for (int l = 0; l < 4; l++)
+              cross[column + l][u] += band[l] * wd;
+          for (int j = 0; j < HL_BORDER_MAX; j++)
+            cross[n + j][u] += border[j] * wd;
+        }
+      }
+    }
+  }
+}
+
+void hl_model_differentiate(const hl_light_model *model, const hl_light_data *data,
+                            const hl_model_point *at, int threads, hl_model_work *work,
+                            hl_model_step *out)
+{
+  const int columns = (model->has_lobe ? model->spline.n : 0) + hl_model_border(model);
+  const int q = hl_model_nonlinear(model);
+  if (threads > 1) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int b = 0; b < HL_BLOCKS; b++)
+      differentiate_block(model, data, at, work, b);
+  } else {
+    for (int b = 0; b < HL_BLOCKS; b++)
+      differentiate_block(model, data, at, work, b);
+  }
+  memset(out, 0, sizeof *out);
+  for (int b = 0; b < HL_BLOCKS; b++) {
+    for (int u = 0, i = 0; u < q; u++) {
+      out->gradient[u] += work->inner[b][HL_SYSTEM_MAX + u];
+      for (int v = u; v < q; v++)
+        out->hessian[u][v] += work->inner[b][i++];
+    }
+    out->cost += work->inner[b][HL_SYSTEM_MAX + HL_NONLINEAR_MAX];
+  }
+  for (int k = 0; k < data->channels; k++) {
+    double c[HL_NONLINEAR_MAX][HL_COLUMNS_MAX] = {{0}}, (*solved)[HL_COLUMNS_MAX] = out->solved[k];
+    for (int b = 0; b < HL_BLOCKS; b++)
+      for (int i = 0; i < columns; i++)
+        for (int u = 0; u < q; u++)
+          c[u][i] += work->cross[b][k][i][u];
+    for (int u = 0; u < q; u++)
+      hl_normal_solve(&at->factor[k], c[u], solved[u]);
+    for (int i = 0; i < columns; i++)
+      for (int u = 0; u < q; u++)
+        for (int v = u; v < q; v++)
+          out->hessian[u][v] -= c[u][i] * solved[v][i];
+  }
+  if (model->masking) {
+    out->gradient[2] -= model->exponent_weight * at->exponent;
+    out->hessian[2][2] += model->exponent_weight;
+  }
+  for (int u = 0; u < q; u++)
+    for (int v = 0; v < u; v++)
+      out->hessian[u][v] = out->hessian[v][u];
+}
+
+void hl_model_predict(const hl_light_model *model, const hl_light_data *data,
+                      const hl_model_point *at, double (*solved)[HL_NONLINEAR_MAX][HL_COLUMNS_MAX],
+                      int first, int count, int channel, hl_model_pixel *out)
+{
+  const int n = model->has_lobe ? model->spline.n : 0;
+  const int m = hl_model_border(model);
+  const int q = hl_model_nonlinear(model);
+  hl_rows c;
+  for (int from = 0; from < count; from += HL_ROWS_CHUNK) {
+    const int some = count - from < HL_ROWS_CHUNK ? count - from : HL_ROWS_CHUNK;
+    hl_rows_geometry(model, data, first + from, some, at->s, at->exponent, at->t, &c);
+    for (int i = 0; i < some; i++) {
+      hl_model_pixel *pixel = &out[from + i];
+      double band[4] = {0}, border[HL_BORDER_MAX] = {0};
+      int column = 0;
+      memset(pixel, 0, sizeof *pixel);
+      if (c.lit[i] <= 0 && !model->ambient)
+        continue;
+      pixel->value = hl_rows_predict(model, &c, i, at->x[channel], &column, band, border,
+                                     pixel->slope, &pixel->steepness);
+      for (int u = 0; u < q; u++) {
+        double sum = pixel->slope[u];
+        if (solved) {
+          const double *x = solved[channel][u];
+          for (int k = 0; n > 0 && k < 4; k++)
+            sum -= band[k] * x[column + k];
+          for (int j = 0; j < m; j++)
+            sum -= border[j] * x[n + j];
+        }
+        pixel->profiled[u] = sum;
+      }
+    }
+  }
+}

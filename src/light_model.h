@@ -1,0 +1,113 @@
+/* The light model as rows of a linear problem in its curves, given a direction of light. Private.
+ */
+#ifndef HL_LIGHT_MODEL_H
+#define HL_LIGHT_MODEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "halflight/light.h"
+#include "normal_equations.h"
+
+enum {
+  HL_NONLINEAR_MAX = 3, /* two tangent coordinates of s, and the masking's exponent */
+  HL_SYSTEM_MAX = (HL_NONLINEAR_MAX * (HL_NONLINEAR_MAX + 1)) / 2
+};
+enum { HL_BLOCKS = 16 }; /* fixed, so that sums do not depend on the number of threads */
+
+/* The pixels in one place: structure of arrays, radiance divided by `level` of the frame. */
+typedef struct hl_light_data {
+  int n, channels;
+  double *normal[3], *view[3];
+  double *footprint;               /* change of the normal across a pixel [rad] */
+  double *value[HL_CHANNELS_MAX];  /* radiance; the saturation level where clipped */
+  double *weight[HL_CHANNELS_MAX]; /* 1 / variance; 0 = leave out */
+  uint8_t *clipped;                /* bit c: channel c is at least `value` */
+} hl_light_data;
+
+typedef struct hl_light_model {
+  hl_lobe lobe;  /* plain or foreshortened */
+  bool has_lobe; /* false: the border alone (a matte ball) */
+  bool masking;  /* the lobe is shadowed and masked, by one exponent */
+  int body;      /* 1: Lambert; 3: Lambert, n.s n.v and (n.s)^2 */
+  bool ambient;
+  double exponent_weight;              /* pulls the masking's exponent to 0 */
+  double body_weight[HL_CHANNELS_MAX]; /* pulls the body's further columns to 0 */
+  hl_spline spline;                    /* over the chord u = |n - h| = 2 sin(angle / 2) */
+} hl_light_model;
+
+static inline int hl_model_nonlinear(const hl_light_model *model)
+{
+  return 2 + (model->masking ? 1 : 0);
+}
+
+static inline int hl_model_border(const hl_light_model *model)
+{
+  return model->body + (model->ambient ? 1 : 0);
+}
+
+/* A clipped sample's row, kept for the rounds of censoring. */
+typedef struct hl_clipped_row {
+  double band[4], border[HL_BORDER_MAX];
+  double weight, value;
+  double now, change; /* prediction, and what a full step adds to it */
+  int first, channel;
+  bool active; /* the model falls short of the saturation level: the datum counts */
+} hl_clipped_row;
+
+/* Everything known at one direction. */
+typedef struct hl_model_point {
+  double s[3], t[2][3];                      /* direction and its tangents */
+  double x[HL_CHANNELS_MAX][HL_COLUMNS_MAX]; /* curves */
+  hl_normal_factor factor[HL_CHANNELS_MAX];
+  double exponent; /* of the masking */
+  double cost;     /* r' W r */
+} hl_model_point;
+
+typedef struct hl_model_work {
+  hl_normal block[HL_BLOCKS][HL_CHANNELS_MAX];
+  double cross[HL_BLOCKS][HL_CHANNELS_MAX][HL_COLUMNS_MAX][HL_NONLINEAR_MAX]; /* X' W D */
+  double inner[HL_BLOCKS][HL_SYSTEM_MAX + HL_NONLINEAR_MAX + 1]; /* D' W D, D' W r, r' W r */
+  hl_smoothing smoothing[HL_CHANNELS_MAX];
+  int censor_rounds;   /* how often to choose who pulls, at most; 0 = enough */
+  bool keep_smoothing; /* use the last fit's; false settles it anew */
+  int n_clipped[HL_BLOCKS];
+  hl_clipped_row *clipped; /* shape (channels * n): block b owns its pixels' share */
+  hl_model_point trial;
+} hl_model_work;
+
+/* Best curves at s; -1 where they cannot be had. Cost O(pixels). */
+int hl_model_fit(const hl_light_model *model, const hl_light_data *data, const double s[3],
+                 double exponent, int threads, hl_model_work *work, hl_model_point *out);
+
+/* The normal equations a channel at s, clipped samples that pull at `at` included. */
+void hl_model_normal(const hl_light_model *model, const hl_light_data *data, const double s[3],
+                     double exponent, int threads, hl_model_work *work, const hl_model_point *at,
+                     hl_normal normal[HL_CHANNELS_MAX]);
+
+/* Gauss-Newton system of the two tangent coordinates with the curves profiled out (Kaufman). */
+typedef struct hl_model_step {
+  double gradient[HL_NONLINEAR_MAX];                  /* D' W r */
+  double hessian[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX]; /* D' P D */
+  double cost;
+  double solved[HL_CHANNELS_MAX][HL_NONLINEAR_MAX][HL_COLUMNS_MAX]; /* A^-1 X' W D */
+} hl_model_step;
+void hl_model_differentiate(const hl_light_model *model, const hl_light_data *data,
+                            const hl_model_point *at, int threads, hl_model_work *work,
+                            hl_model_step *out);
+
+/* Per pixel: what the model predicts, and its slopes with the curves held and profiled out. */
+typedef struct hl_model_pixel {
+  double value;
+  double steepness; /* of the lobe alone, the shadow's edge apart */
+  double slope[HL_NONLINEAR_MAX];
+  double profiled[HL_NONLINEAR_MAX]; /* D - X A^-1 X'W D */
+} hl_model_pixel;
+
+/* `solved` is A^-1 X'W D a channel, from hl_model_differentiate; NULL leaves `profiled` at `slope`.
+ */
+void hl_model_predict(const hl_light_model *model, const hl_light_data *data,
+                      const hl_model_point *at, double (*solved)[HL_NONLINEAR_MAX][HL_COLUMNS_MAX],
+                      int first, int count, int channel, hl_model_pixel *out);
+
+#endif

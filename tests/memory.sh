@@ -1,0 +1,22 @@
+#!/bin/sh
+# memory.sh BUILD: parsers, geometry and one estimate under valgrind; any error or lost block fails.
+# The sanitizers' builds run all tests; this sees what they cannot: reads of values never set.
+set -eu
+cd "$(dirname "$0")/.."
+build=$1
+core=fixtures/core-hdr
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+check()
+{
+  echo "$1"
+  valgrind --quiet --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite \
+    "$@" >"$work/log" 2>&1 || { tail -n 40 "$work/log"; exit 1; }
+}
+for name in json_read pfm frame camera_file sphere_file surface lens light_json curves_csv spline \
+  normal_equations nnls; do
+  check "$build/tests/test_$name"
+done
+check "$build/halflight" estimate $core/frame.pfm --camera $core/camera.json \
+  --sphere $core/sphere.json --threads 2 --out "$work/out"
+check "$build/halflight" locate $core/frame.pfm --camera $core/camera.json --radius-m 0.02
