@@ -68,18 +68,28 @@ static void accumulate_block(const hl_light_model *model, const hl_light_data *d
   work->n_clipped[b] = rows;
 }
 
-/* One thread goes without OpenMP, whose runtime may allocate. */
+/* One thread goes without OpenMP, whose runtime may allocate: not even its entry is called, which is
+ * why the parallel loops are functions of their own. */
+#define HL_APART __attribute__((noinline))
+
+static HL_APART void accumulate_parallel(const hl_light_model *model, const hl_light_data *data,
+                                         const double s[3], double exponent, int threads,
+                                         hl_model_work *work)
+{
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  for (int b = 0; b < HL_BLOCKS; b++)
+    accumulate_block(model, data, s, exponent, work, b);
+  (void)threads;
+}
+
 static void accumulate(const hl_light_model *model, const hl_light_data *data, const double s[3],
                        double exponent, int threads, hl_model_work *work)
 {
-  if (threads > 1) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  if (threads > 1)
+    accumulate_parallel(model, data, s, exponent, threads, work);
+  else
     for (int b = 0; b < HL_BLOCKS; b++)
       accumulate_block(model, data, s, exponent, work, b);
-  } else {
-    for (int b = 0; b < HL_BLOCKS; b++)
-      accumulate_block(model, data, s, exponent, work, b);
-  }
 }
 
 void hl_model_normal(const hl_light_model *model, const hl_light_data *data, const double s[3],
@@ -156,20 +166,27 @@ static void differentiate_block(const hl_light_model *model, const hl_light_data
   }
 }
 
+static HL_APART void differentiate_parallel(const hl_light_model *model, const hl_light_data *data,
+                                            const hl_model_point *at, int threads,
+                                            hl_model_work *work)
+{
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  for (int b = 0; b < HL_BLOCKS; b++)
+    differentiate_block(model, data, at, work, b);
+  (void)threads;
+}
+
 void hl_model_differentiate(const hl_light_model *model, const hl_light_data *data,
                             const hl_model_point *at, int threads, hl_model_work *work,
                             hl_model_step *out)
 {
   const int columns = (model->has_lobe ? model->spline.n : 0) + hl_model_border(model);
   const int q = hl_model_nonlinear(model);
-  if (threads > 1) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  if (threads > 1)
+    differentiate_parallel(model, data, at, threads, work);
+  else
     for (int b = 0; b < HL_BLOCKS; b++)
       differentiate_block(model, data, at, work, b);
-  } else {
-    for (int b = 0; b < HL_BLOCKS; b++)
-      differentiate_block(model, data, at, work, b);
-  }
   memset(out, 0, sizeof *out);
   for (int b = 0; b < HL_BLOCKS; b++) {
     for (int u = 0, i = 0; u < q; u++) {
