@@ -70,14 +70,14 @@ static void contract(const hl_light_model *model, const constrained *s, const do
 static void solve_constrained(const hl_light_model *model, const constrained *s, const hl_normal *a,
                               double *x)
 {
-  double dense[HL_COLUMNS_MAX * HL_COLUMNS_MAX], half[HL_COLUMNS_MAX][HL_NNLS_MAX] = {{0}};
+  double dense[HL_COLUMNS_MAX * HL_COLUMNS_MAX] = {0}, half[HL_COLUMNS_MAX][HL_NNLS_MAX] = {{0}};
   double gram[HL_NNLS_MAX * HL_NNLS_MAX], rhs[HL_NNLS_MAX] = {0}, d[HL_NNLS_MAX] = {0};
   const int total = s->n + s->m;
   hl_normal_dense(a, dense);
   for (int i = 0; i < total; i++)
     contract(model, s, dense + (long)i * total, half[i]);
   for (int j = 0; j < s->unknowns; j++) {
-    double column[HL_COLUMNS_MAX], out[HL_NNLS_MAX] = {0};
+    double column[HL_COLUMNS_MAX] = {0}, out[HL_NNLS_MAX] = {0};
     for (int i = 0; i < total; i++)
       column[i] = half[i][j];
     contract(model, s, column, out);
