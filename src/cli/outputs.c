@@ -102,19 +102,27 @@ hl_status hl_outputs_add(hl_ctx *ctx, hl_outputs *outputs, const char *folder, c
                          int *index)
 {
   const int i = outputs->n;
-  const size_t length = strlen(name) + (folder ? strlen(folder) + 1 : 0);
+  const size_t before = folder ? strlen(folder) + 1 : 0;
+  const size_t length = before + strlen(name);
   if (i >= HL_OUTPUTS_MAX || length + STAGE_SUFFIX > HL_OUTPUT_PATH_MAX)
     return hl_fail(ctx, HL_ERR_IO, "%.80s...: the name is longer than %d bytes", name,
                    HL_OUTPUT_PATH_MAX - STAGE_SUFFIX);
   char *path = outputs->path[i];
-  snprintf(path, HL_OUTPUT_PATH_MAX, "%s%s%s", folder ? folder : "", folder ? "/" : "", name);
+  if (folder) {
+    memmove(path, folder, before - 1);
+    path[before - 1] = '/';
+  }
+  memmove(path + before, name, length - before + 1);
   hl_status st = folder ? HL_OK : check_parent(ctx, outputs, path);
   if (st == HL_OK)
     st = check_target(ctx, path);
   if (st != HL_OK)
     return st;
-  snprintf(outputs->stage[i], HL_OUTPUT_PATH_MAX, "%.*s.part-%ld",
-           HL_OUTPUT_PATH_MAX - STAGE_SUFFIX, path, (long)getpid());
+  char suffix[STAGE_SUFFIX];
+  snprintf(suffix, sizeof suffix, ".part-%ld", (long)getpid());
+  const size_t resolved = strlen(path); /* a link was followed */
+  memmove(outputs->stage[i], path, resolved);
+  memmove(outputs->stage[i] + resolved, suffix, strlen(suffix) + 1);
   for (int k = 0; k < i; k++)
     if (strcmp(outputs->path[k], path) == 0)
       return hl_fail(ctx, HL_ERR_ARG, "%s is named for two outputs; a name each is needed", path);
