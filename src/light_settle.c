@@ -282,7 +282,9 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
   hl_light_weigh(&work->all, final_noise, NULL);
   out->noise_cost = noise_cost(work, surface);
   for (int pass = 0; pass < PASSES; pass++) {
-    refine_all(work, settings, start, out->ambient, out);
+    /* a few pixels left out do not change which terms are needed */
+    if (pass == 0 || out->outliers > work->all.n / 100)
+      refine_all(work, settings, start, out->ambient, out);
     if (!isfinite(out->variant[out->kept].cost))
       return hl_fail(ctx, HL_ERR_DEGENERATE, "no reflectance model can be fitted to these pixels");
     if (pass == 0 && needs_ambient(work, settings, start, out)) {
