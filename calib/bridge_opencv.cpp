@@ -7,73 +7,48 @@
  */
 #include "halflight/bridge_opencv.h"
 
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <mutex>
 #include <string>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
+
+#include "hush.h"
 
 namespace
 {
 
 const long pixels_max = 1L << 28;
 
-/* Standard error goes to an unnamed file between construction and `taken`. */
+/* Standard error is held back between construction and `taken`. */
 class held_stderr
 {
 public:
-  held_stderr() : file(std::tmpfile()), saved(-1)
-  {
-    if (!file)
-      return;
-    std::fflush(stderr);
-    saved = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
-    if (saved >= 0)
-      dup2(fileno(file), STDERR_FILENO);
-  }
+  held_stderr() { hl_hush_begin(&hush); }
   held_stderr(const held_stderr &) = delete;
   held_stderr &operator=(const held_stderr &) = delete;
   ~held_stderr()
   {
-    restore();
-    if (file)
-      std::fclose(file);
+    if (held)
+      hl_hush_end(&hush, nullptr, 0);
   }
   /* The first line that was printed; "" for none. */
   std::string taken()
   {
-    restore();
-    char line[160] = "";
-    if (file) {
-      std::rewind(file);
-      if (!std::fgets(line, sizeof line, file))
-        line[0] = '\0';
-      line[std::strcspn(line, "\r\n")] = '\0';
-    }
+    char line[160];
+    held = false;
+    hl_hush_end(&hush, line, sizeof line);
     /* OpenCV's own line names its source and a temporary file, which helps nobody */
     return std::strncmp(line, "imdecode_", 9) == 0 ? "" : line;
   }
 
 private:
-  void restore()
-  {
-    if (saved < 0)
-      return;
-    std::fflush(stderr);
-    dup2(saved, STDERR_FILENO);
-    close(saved);
-    saved = -1;
-  }
-  std::FILE *file;
-  int saved;
+  hl_hush hush{};
+  bool held = true;
 };
 
 int silent(int, const char *, const char *, const char *, int, void *)
@@ -81,21 +56,8 @@ int silent(int, const char *, const char *, const char *, int, void *)
   return 0;
 }
 
-/* OpenCV's own settings, once: EXR on, no text. */
-void prepare()
-{
-  static std::once_flag once;
-  std::call_once(once, [] {
-    setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    cv::redirectError(silent);
-  });
-}
-
 cv::Mat decode(const unsigned char *bytes, size_t n, std::string &said)
 {
-  static std::mutex one_at_a_time;
-  const std::lock_guard<std::mutex> guard(one_at_a_time);
   held_stderr held;
   const cv::Mat raw(1, static_cast<int>(n), CV_8U, const_cast<unsigned char *>(bytes));
   cv::Mat image;
@@ -147,11 +109,21 @@ hl_status hand_over(hl_ctx *ctx, const char *path, const cv::Mat &image, hl_code
 
 } // namespace
 
+void hl_opencv_prepare(void)
+{
+  static std::once_flag once;
+  std::call_once(once, [] {
+    setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    cv::redirectError(silent);
+  });
+}
+
 hl_status hl_opencv_decode(hl_ctx *ctx, const char *path, const char *kind,
                            const unsigned char *bytes, size_t n, hl_codes *out)
 {
   try {
-    prepare();
+    hl_opencv_prepare();
     if (n > 0x7fffffff)
       return hl_fail(ctx, HL_ERR_FORMAT, "%s: %zu bytes; images under 2 GiB are read", path, n);
     std::string said;

@@ -18,6 +18,9 @@ typedef struct hl_lens {
   /* Image point of the direction (at[0], at[1], 1) and its derivative d(out)/d(at). */
   void (*distort)(const double *coefficients, const double at[2], double out[2],
                   double jacobian[2][2]);
+  /* Derivative d(out)/d(coefficients) there. */
+  void (*by_coefficients)(const double *coefficients, const double at[2],
+                          double out[2][HL_DISTORTION_MAX]);
 } hl_lens;
 
 /* NULL where the model is none of the table. */

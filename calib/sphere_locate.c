@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "halflight/vec3.h"
+#include "sphere_camera.h"
 #include "sphere_outline.h"
 #include "sphere_search.h"
 
@@ -59,6 +60,8 @@ typedef struct attempt {
   hl_cone cone;
   hl_cone_fit fit;
   double rad_per_px, arc, rms_px, kept_share, blur_px, sigma_px;
+  double by_intrinsics[3]
+                      [HL_INTRINSICS_MAX]; /* of the cone's steps, where the camera is uncertain */
   int n_kept;
 } attempt;
 
@@ -198,6 +201,9 @@ static void settle(const scene *sc, const hl_cone *start, attempt *a)
   }
   a->blur_px = look.blur_px;
   judge(sectors, n, readings, m, &sc->settings, a);
+  if (sc->camera->has_covariance &&
+      !hl_cone_by_intrinsics(sc->camera, &a->cone, readings, m, &a->fit, a->by_intrinsics))
+    a->verdict = NO_OUTLINE;
 }
 
 /* The outline's centre and mean radius in pixels. */
@@ -390,6 +396,9 @@ hl_status hl_sphere_locate(hl_ctx *ctx, const hl_frame *frame, const hl_camera *
   hl_sphere ball;
   hl_ctx inner = {0};
   hl_cone_to_sphere(&a.cone, (const double(*)[3])a.fit.covariance, radius_m, &ball);
+  if (camera->has_covariance)
+    hl_sphere_add_camera(camera, &a.cone, (const double(*)[HL_INTRINSICS_MAX])a.by_intrinsics,
+                         &ball);
   if (hl_sphere_check(&inner, &ball) != HL_OK)
     return hl_fail(ctx, HL_ERR_DEGENERATE, "the outline is an impossible ball's: %s", inner.msg);
   *out = ball;

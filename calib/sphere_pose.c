@@ -174,8 +174,7 @@ typedef struct sums {
   double h[3][3], g[3], bread[3][3], middle[3][3];
 } sums;
 
-static void accumulate(const hl_cone_offset *r, int n, const double step[3], double excess,
-                       sums *out)
+static void accumulate(hl_cone_offset *r, int n, const double step[3], double excess, sums *out)
 {
   memset(out, 0, sizeof *out);
   for (int i = 0; i < n; i++) {
@@ -184,6 +183,7 @@ static void accumulate(const hl_cone_offset *r, int n, const double step[3], dou
     const double w = r[i].weight * v, e = w * misfit(&r[i], step);
     const double root = sqrt(r[i].weight); /* 1 - z^2 */
     const double slope = v * root * (5 * root - 4);
+    r[i].slope = slope;
     for (int j = 0; j < 3; j++) {
       out->g[j] += w * row[j] * r[i].offset_rad;
       for (int k = 0; k < 3; k++) {
@@ -240,8 +240,11 @@ bool hl_cone_fit_offsets(hl_cone_offset *r, int n, double limit_rad, hl_cone_fit
   if (!invert3((const double(*)[3])sum.h, inverse))
     return false;
   /* where too many readings lie on the far flank the plain weights must do */
-  if (!invert3((const double(*)[3])sum.bread, bread))
+  if (!invert3((const double(*)[3])sum.bread, bread)) {
     memcpy(bread, inverse, sizeof bread);
+    for (int i = 0; i < n; i++)
+      r[i].slope = r[i].weight / (r[i].sigma_rad * r[i].sigma_rad + excess * excess);
+  }
   int kept = 0;
   for (int i = 0; i < n; i++) {
     kept += r[i].weight > 0;
@@ -252,6 +255,7 @@ bool hl_cone_fit_offsets(hl_cone_offset *r, int n, double limit_rad, hl_cone_fit
     return false;
   memcpy(out->step, step, sizeof step);
   memcpy(out->inverse, inverse, sizeof inverse);
+  memcpy(out->bread, bread, sizeof bread);
   /* three numbers were fitted to the readings whose scatter is now taken, which also hides the
    * readings that pulled most: once for each (as in HC3) */
   const double fitted = kept > 3 ? (double)kept / (kept - 3) : 1;
@@ -263,21 +267,27 @@ bool hl_cone_fit_offsets(hl_cone_offset *r, int n, double limit_rad, hl_cone_fit
   return true;
 }
 
+void hl_cone_center_by_step(const hl_cone *cone, double radius_m, double out[3][3])
+{
+  const double t = cone->half_angle_rad, distance = radius_m / sin(t);
+  for (int i = 0; i < 3; i++) {
+    out[i][0] = distance * cone->e1[i];
+    out[i][1] = distance * cone->e2[i];
+    out[i][2] = -distance / tan(t) * cone->axis[i];
+  }
+}
+
 void hl_cone_to_sphere(const hl_cone *cone, const double covariance[3][3], double radius_m,
                        hl_sphere *out)
 {
-  const double t = cone->half_angle_rad;
-  const double distance = radius_m / sin(t);
+  const double distance = radius_m / sin(cone->half_angle_rad);
+  memset(out, 0, sizeof *out);
   for (int i = 0; i < 3; i++)
     out->center_m[i] = distance * cone->axis[i];
   out->radius_m = radius_m;
   out->has_covariance = true;
-  double d[3][3]; /* d center / d step */
-  for (int i = 0; i < 3; i++) {
-    d[i][0] = distance * cone->e1[i];
-    d[i][1] = distance * cone->e2[i];
-    d[i][2] = -distance / tan(t) * cone->axis[i];
-  }
+  double d[3][3];
+  hl_cone_center_by_step(cone, radius_m, d);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       double sum = 0;

@@ -26,12 +26,14 @@ typedef struct hl_cone_offset {
   double sigma_rad;
   double row[3]; /* out: cos, sin of the azimuth, 1 */
   double weight; /* out: 0 = set aside, up to 1 */
+  double slope;  /* out: how its pull on the fit changes with the offset */
 } hl_cone_offset;
 
 typedef struct hl_cone_fit {
   double step[3];          /* turn1, turn2, open */
   double covariance[3][3]; /* of step, from the readings' own scatter */
   double inverse[3][3];    /* of step, from the stated sigmas and the excess */
+  double bread[3][3];      /* inverse of sum slope row row' */
   double excess_rad;       /* scatter beyond the stated sigmas */
   double rms_rad;          /* of the readings kept, about the fit */
   int n_kept;
@@ -43,6 +45,9 @@ typedef struct hl_cone_fit {
  * determine the cone.
  */
 bool hl_cone_fit_offsets(hl_cone_offset *readings, int n, double limit_rad, hl_cone_fit *out);
+
+/* d center / d step */
+void hl_cone_center_by_step(const hl_cone *cone, double radius_m, double out[3][3]);
 
 /* Centre and 3x3 covariance from a cone, the covariance of its steps and the radius. */
 void hl_cone_to_sphere(const hl_cone *cone, const double covariance[3][3], double radius_m,

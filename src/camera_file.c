@@ -1,98 +1,185 @@
-/* CAMERA.json: read and checked, every refusal naming the file and the member. */
-#include <math.h>
+/*
+ * Camera files, told apart by what they hold, not by their names:
+ *
+ *   {"..."            JSON, CAMERA.json
+ *   {'...', {#        a Python dictionary, mrcal's .cameramodel; so is {"lensmodel"
+ *   anything else     YAML: OpenCV's with camera_matrix, Kalibr's with cam0
+ */
+#include "camera_file.h"
+
+#include <stdlib.h>
 #include <string.h>
 
-#include "halflight/camera.h"
-#include "halflight/lens_names.h"
-#include "json_read.h"
-#include "psd.h"
+#include "camera_formats.h"
+#include "camera_json.h"
+#include "file_read.h"
+#include "python_read.h"
+#include "yaml_read.h"
 
-static hl_status read_model(hl_json_source source, const json_t *root, hl_camera *camera)
+enum { YAML_BYTES_MAX = 16 << 20 };
+
+typedef enum language { IN_JSON, IN_YAML, IN_PYTHON } language;
+
+static const char *after_blanks(const char *c)
 {
-  const char *name = NULL;
-  const hl_status st = hl_json_string(source, root, "model", &name);
-  if (st != HL_OK)
-    return st;
-  char known[128] = "";
-  for (int i = 0; hl_lens_name(i); i++) {
-    if (strcmp(name, hl_lens_name(i)) == 0) {
-      camera->model = (hl_lens_model)i;
-      camera->n_distortion = hl_lens_coefficients(i);
-      return HL_OK;
-    }
-    if (i > 0)
-      strncat(known, ", ", sizeof known - strlen(known) - 1);
-    strncat(known, hl_lens_name(i), sizeof known - strlen(known) - 1);
-  }
-  return hl_fail(source.ctx, HL_ERR_FORMAT, "%s: model = '%.40s' is none of: %s", source.path, name,
-                 known);
+  return c + strspn(c, " \t\r\n");
 }
 
-static hl_status read_pinhole(hl_json_source source, const json_t *root, hl_camera *c)
+/* `text` ends with a zero byte. */
+static language language_of(const char *text)
 {
-  hl_status st = hl_json_int(source, root, "width", 2, 65536, &c->width);
-  if (st == HL_OK)
-    st = hl_json_int(source, root, "height", 2, 65536, &c->height);
-  if (st == HL_OK)
-    st = hl_json_number(source, root, "fx", c->width / 1000.0, 1e7, &c->fx);
-  if (st == HL_OK)
-    st = hl_json_number(source, root, "fy", c->width / 1000.0, 1e7, &c->fy);
-  if (st == HL_OK)
-    st = hl_json_number(source, root, "cx", -c->width, 2.0 * c->width, &c->cx);
-  if (st == HL_OK)
-    st = hl_json_number(source, root, "cy", -c->height, 2.0 * c->height, &c->cy);
-  if (st == HL_OK)
-    st = hl_json_numbers(source, root, "distortion", c->n_distortion, c->distortion);
-  return st;
+  const char *c = after_blanks(text);
+  const bool commented = *c == '#';
+  while (*c == '#')
+    c = after_blanks(c + strcspn(c, "\n"));
+  if (*c == '[')
+    return IN_JSON;
+  if (*c != '{')
+    return IN_YAML;
+  c = after_blanks(c + 1);
+  static const char first[] = "\"lensmodel\"";
+  if (*c == '\'' || *c == '#' || strncmp(c, first, sizeof first - 1) == 0)
+    return IN_PYTHON;
+  return commented ? IN_PYTHON : IN_JSON;
 }
 
-static hl_status read_optional(hl_json_source source, const json_t *root, hl_camera *c)
+static hl_status parse(hl_json_source source, language in, char *bytes, size_t n, json_t **out)
 {
-  hl_status st = HL_OK;
-  if (hl_json_has(root, "rms_px"))
-    st = hl_json_number(source, root, "rms_px", 0, 1e6, &c->rms_px);
-  if (st == HL_OK && hl_json_has(root, "observations"))
-    st = hl_json_int(source, root, "observations", 0, 1 << 30, &c->observations);
-  if (st != HL_OK || !hl_json_has(root, "covariance"))
-    return st;
-  const int n = 4 + c->n_distortion;
-  st = hl_json_matrix(source, root, "covariance", n, n, c->covariance);
-  if (st != HL_OK)
-    return st;
-  if (!hl_psd_check(c->covariance, n))
+  if (in == IN_PYTHON)
+    return hl_python_parse(source, bytes, n, out);
+  if (in == IN_JSON)
+    return hl_json_parse(source, bytes, n, out);
+  if (n > YAML_BYTES_MAX)
+    return hl_fail(source.ctx, HL_ERR_FORMAT, "%s: over %d bytes, the largest YAML accepted",
+                   source.path, YAML_BYTES_MAX);
+  return hl_yaml_parse(source, bytes, n, out);
+}
+
+static hl_status read_root(hl_json_source source, language in, const json_t *root, hl_camera *out)
+{
+  if (in == IN_PYTHON)
+    return hl_camera_mrcal_members(source, root, out);
+  if (in == IN_YAML && hl_camera_opencv_is(root))
+    return hl_camera_opencv_members(source, root, out);
+  if (in == IN_YAML && hl_camera_kalibr_is(root))
+    return hl_camera_kalibr_members(source, root, out);
+  if (in == IN_YAML)
     return hl_fail(source.ctx, HL_ERR_FORMAT,
-                   "%s: covariance is no covariance; a symmetric %d x %d matrix without negative "
-                   "eigenvalues is needed",
-                   source.path, n, n);
-  c->has_covariance = true;
-  return HL_OK;
+                   "%s: no camera is known in it: not JSON, no camera_matrix as OpenCV's YAML has, "
+                   "no cam0 as Kalibr's has, no .cameramodel of mrcal",
+                   source.path);
+  const hl_status st = hl_json_header(source, root, HL_CAMERA_JSON_FORMAT, HL_CAMERA_JSON_VERSION);
+  return st == HL_OK ? hl_camera_json_members(source, root, out) : st;
 }
 
-static hl_status read_members(hl_json_source source, const json_t *root, hl_camera *camera)
+hl_status hl_camera_file_read(hl_ctx *ctx, const char *path, hl_camera *out, json_t **document)
 {
-  hl_status st = read_model(source, root, camera);
-  if (st == HL_OK)
-    st = read_pinhole(source, root, camera);
-  if (st == HL_OK)
-    st = read_optional(source, root, camera);
+  const hl_json_source source = {ctx, path};
+  unsigned char *bytes = NULL;
+  size_t n = 0;
+  json_t *root = NULL;
+  hl_status st = hl_file_read(ctx, path, HL_JSON_BYTES_MAX, &bytes, &n);
   if (st != HL_OK)
     return st;
-  hl_ctx inner = {0};
-  st = hl_camera_check(&inner, camera);
-  return st == HL_OK ? st : hl_json_blame(source, st, inner.msg);
+  const language in = language_of((const char *)bytes);
+  st = parse(source, in, (char *)bytes, n, &root);
+  free(bytes);
+  if (st == HL_OK)
+    st = read_root(source, in, root, out);
+  const bool wanted = st == HL_OK && document && in == IN_JSON;
+  if (st == HL_OK && document)
+    *document = wanted ? root : NULL;
+  if (!wanted)
+    json_decref(root);
+  return st;
 }
 
 hl_status hl_camera_read(hl_ctx *ctx, const char *path, hl_camera *out)
 {
-  const hl_json_source source = {ctx, path};
-  json_t *root = NULL;
-  hl_status st = hl_json_open(source, "halflight-camera", 1, &root);
+  return hl_camera_file_read(ctx, path, out, NULL);
+}
+
+/* ---- shared by the readers */
+
+hl_status hl_camera_formats_size(hl_json_source source, const json_t *object, const char *member,
+                                 hl_camera *camera)
+{
+  double size[2];
+  const hl_status st = hl_json_numbers(source, object, member, 2, size);
   if (st != HL_OK)
     return st;
-  hl_camera camera = {0};
-  st = read_members(source, root, &camera);
-  json_decref(root);
+  for (int i = 0; i < 2; i++)
+    if (!(size[i] >= 2 && size[i] <= 65536 && size[i] == (int)size[i]))
+      return hl_fail(source.ctx, HL_ERR_FORMAT,
+                     "%s: %s[%d] = %.9g; a whole number in [2, 65536] is needed", source.path,
+                     member, i, size[i]);
+  camera->width = (int)size[0];
+  camera->height = (int)size[1];
+  return HL_OK;
+}
+
+hl_status hl_camera_formats_finish(hl_json_source source, hl_camera *camera, hl_camera *out)
+{
+  hl_ctx inner = {0};
+  const hl_status st = hl_camera_check(&inner, camera);
+  if (st != HL_OK)
+    return hl_json_blame(source, st, inner.msg);
+  *out = *camera;
+  return HL_OK;
+}
+
+void hl_camera_formats_set_core(hl_camera *camera, const double core[4])
+{
+  camera->fx = core[0];
+  camera->fy = core[1];
+  camera->cx = core[2];
+  camera->cy = core[3];
+}
+
+/* ---- written */
+
+/* In the order of hl_camera_format. */
+static const struct {
+  const char *name;
+  hl_status (*put)(hl_ctx *ctx, const hl_camera *camera, hl_text *out);
+  unsigned keeps; /* hl_camera_part */
+} formats[] = {
+    {"json", NULL, HL_CAMERA_COVARIANCE | HL_CAMERA_RMS | HL_CAMERA_OBSERVATIONS},
+    {"opencv", hl_camera_opencv_put, HL_CAMERA_RMS},
+    {"kalibr", hl_camera_kalibr_put, 0},
+    {"mrcal", hl_camera_mrcal_put, 0},
+};
+
+enum { N_FORMATS = sizeof formats / sizeof formats[0] };
+
+const char *hl_camera_format_name(int format)
+{
+  return format >= 0 && format < N_FORMATS ? formats[format].name : NULL;
+}
+
+unsigned hl_camera_lost(const hl_camera *camera, hl_camera_format format)
+{
+  const unsigned has = (camera->has_covariance ? HL_CAMERA_COVARIANCE : 0u) |
+                       (camera->rms_px > 0 ? HL_CAMERA_RMS : 0u) |
+                       (camera->observations > 0 ? HL_CAMERA_OBSERVATIONS : 0u);
+  return (unsigned)format < N_FORMATS ? has & ~formats[format].keeps : has;
+}
+
+hl_status hl_camera_text(hl_ctx *ctx, const hl_camera *camera, hl_camera_format format, char **out)
+{
+  if ((unsigned)format >= N_FORMATS)
+    return hl_fail(ctx, HL_ERR_ARG, "format = %d is none of the known camera formats", (int)format);
+  if (format == HL_CAMERA_JSON)
+    return hl_camera_json(ctx, camera, out);
+  hl_text text = {0};
+  hl_status st = hl_camera_check(ctx, camera);
   if (st == HL_OK)
-    *out = camera;
+    st = formats[format].put(ctx, camera, &text);
+  if (st == HL_OK && text.failed)
+    st = hl_fail(ctx, HL_ERR_MEMORY, "no memory for the text of a camera");
+  if (st == HL_OK)
+    *out = text.bytes;
+  else
+    free(text.bytes);
   return st;
 }

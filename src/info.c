@@ -3,6 +3,7 @@
 
 #include <jansson.h>
 #include <threads.h>
+#include <yaml.h>
 
 #include "halflight/bridge_libcamera.h"
 #include "halflight/bridge_opencv.h"
@@ -19,7 +20,11 @@
 #define OPENMP_VERSION NULL
 #endif
 
-enum { N_FEATURES = 5 };
+#ifndef HL_ASSIMP_VERSION
+#define HL_ASSIMP_VERSION NULL
+#endif
+
+enum { N_FEATURES = 8 };
 
 /* Filled once, the same for everyone after. */
 static hl_feature features[N_FEATURES];
@@ -29,10 +34,14 @@ static void fill(void)
 {
   const hl_feature all[N_FEATURES] = {
       {"jansson", jansson_version_str(), "", "cameras, balls and results as JSON"},
+      {"libyaml", yaml_get_version_string(), "", "cameras of OpenCV and Kalibr"},
+      {"cminpack", HL_CMINPACK_VERSION, "", "parametric fits"},
       {"OpenMP", OPENMP_VERSION, "a compiler with OpenMP", "more than one thread"},
-      {"OpenCV", hl_opencv_version(), "-DHL_WITH_OPENCV=ON", "PNG, JPEG, TIFF and EXR frames"},
+      {"OpenCV", hl_opencv_version(), "-DHL_WITH_OPENCV=ON",
+       "PNG, JPEG, TIFF and EXR frames; calibration"},
       {"AprilTag", HL_APRILTAG_VERSION, "-DHL_WITH_APRILTAG=ON",
-       "calibration targets; used by no verb yet"},
+       "AprilGrids as calibration targets"},
+      {"assimp", HL_ASSIMP_VERSION, "-DHL_WITH_ASSIMP=ON", "meshes to relight"},
       {"libcamera", hl_libcamera_version(), "-DHL_WITH_LIBCAMERA=ON",
        "capture; used by no verb yet"},
   };

@@ -15,7 +15,7 @@
 
 #include "file_read.h"
 
-enum { BYTES_MAX = 64 << 20, SHOWN_MAX = 40 };
+enum { SHOWN_MAX = 40, FORMATS_TEXT = 128 };
 
 /* The place of a parse error, as "line L", and the word there. */
 static hl_status not_json(hl_json_source source, const char *text, size_t n,
@@ -37,19 +37,35 @@ static hl_status not_json(hl_json_source source, const char *text, size_t n,
                  error->text);
 }
 
-static hl_status check_header(hl_json_source source, const json_t *root, const char *format,
-                              int newest)
+/* `needed`: "'a'" or "'a' or 'b'". */
+static void name_formats(const char *const *formats, int n, char needed[FORMATS_TEXT])
 {
+  size_t at = 0;
+  needed[0] = '\0';
+  for (int i = 0; i < n && at < FORMATS_TEXT; i++)
+    at +=
+        (size_t)snprintf(needed + at, FORMATS_TEXT - at, "%s'%s'", i > 0 ? " or " : "", formats[i]);
+}
+
+static hl_status check_header(hl_json_source source, const json_t *root, const char *const *formats,
+                              int n, int newest, int *which)
+{
+  char needed[FORMATS_TEXT];
+  name_formats(formats, n, needed);
   if (!json_is_object(root))
-    return hl_fail(source.ctx, HL_ERR_FORMAT, "%s: not a JSON object; one of format '%s' is needed",
-                   source.path, format);
+    return hl_fail(source.ctx, HL_ERR_FORMAT, "%s: not a JSON object; one of format %s is needed",
+                   source.path, needed);
   const char *found = "";
   hl_status st = hl_json_string(source, root, "format", &found);
   if (st != HL_OK)
     return st;
-  if (strcmp(found, format) != 0)
-    return hl_fail(source.ctx, HL_ERR_FORMAT, "%s: format = '%.*s'; '%s' is needed", source.path,
-                   SHOWN_MAX, found, format);
+  int at = 0;
+  while (at < n && strcmp(found, formats[at]) != 0)
+    at++;
+  if (at == n)
+    return hl_fail(source.ctx, HL_ERR_FORMAT, "%s: format = '%.*s'; %s is needed", source.path,
+                   SHOWN_MAX, found, needed);
+  *which = at;
   const json_t *version = json_object_get(root, "version");
   if (json_is_integer(version) && json_integer_value(version) > newest)
     return hl_fail(source.ctx, HL_ERR_FORMAT,
@@ -59,21 +75,41 @@ static hl_status check_header(hl_json_source source, const json_t *root, const c
   return hl_json_int(source, root, "version", 1, newest, &ignored);
 }
 
+hl_status hl_json_header(hl_json_source source, const json_t *root, const char *format, int newest)
+{
+  int which = 0;
+  return check_header(source, root, &format, 1, newest, &which);
+}
+
+hl_status hl_json_parse(hl_json_source source, const char *bytes, size_t n, json_t **out)
+{
+  json_error_t error;
+  json_t *root = json_loadb(bytes, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
+  if (!root)
+    return not_json(source, bytes, n, &error);
+  *out = root;
+  return HL_OK;
+}
+
 hl_status hl_json_open(hl_json_source source, const char *format, int newest, json_t **out)
+{
+  int which = 0;
+  return hl_json_open_one_of(source, &format, 1, newest, &which, out);
+}
+
+hl_status hl_json_open_one_of(hl_json_source source, const char *const *formats, int n_formats,
+                              int newest, int *which, json_t **out)
 {
   unsigned char *bytes = NULL;
   size_t n = 0;
-  hl_status st = hl_file_read(source.ctx, source.path, BYTES_MAX, &bytes, &n);
+  json_t *root = NULL;
+  hl_status st = hl_file_read(source.ctx, source.path, HL_JSON_BYTES_MAX, &bytes, &n);
   if (st != HL_OK)
     return st;
-  json_error_t error;
-  json_t *root =
-      json_loadb((const char *)bytes, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
-  if (!root)
-    st = not_json(source, (const char *)bytes, n, &error);
+  st = hl_json_parse(source, (const char *)bytes, n, &root);
   free(bytes);
   if (st == HL_OK)
-    st = check_header(source, root, format, newest);
+    st = check_header(source, root, formats, n_formats, newest, which);
   if (st != HL_OK) {
     json_decref(root);
     return st;

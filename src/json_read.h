@@ -13,10 +13,21 @@ typedef struct hl_json_source {
   const char *path;
 } hl_json_source;
 
-/* Parse a file and check its "format" and "version" (1 .. newest). *out is the caller's
- * (json_decref). HL_ERR_IO, HL_ERR_FORMAT. NaN and Infinity, which Python writes, are refused with
- * their place. */
+enum { HL_JSON_BYTES_MAX = 64 << 20 }; /* larger files are refused */
+
+/* Parse n bytes. *out is the caller's (json_decref). HL_ERR_FORMAT with the line; NaN and Infinity,
+ * which Python writes, are refused with their place. */
+hl_status hl_json_parse(hl_json_source source, const char *bytes, size_t n, json_t **out);
+
+/* Is this an object of that "format" and of "version" 1 .. newest? */
+hl_status hl_json_header(hl_json_source source, const json_t *root, const char *format, int newest);
+
+/* Read a file, parse it and check its header. *out is the caller's. HL_ERR_IO, HL_ERR_FORMAT. */
 hl_status hl_json_open(hl_json_source source, const char *format, int newest, json_t **out);
+
+/* The same where several formats are welcome; *which is the place of the file's. */
+hl_status hl_json_open_one_of(hl_json_source source, const char *const *formats, int n_formats,
+                              int newest, int *which, json_t **out);
 
 /* A finite number in [min, max]; HL_ERR_FORMAT otherwise. */
 hl_status hl_json_number(hl_json_source source, const json_t *object, const char *member,

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "halflight/notes.h"
 #include "halflight/vec3.h"
 #include "light_work.h"
 
@@ -90,8 +91,11 @@ static void carve_work(arena *a, hl_light_work *w)
   w->ranked = carve(a, 2 * n, sizeof *w->ranked);
   w->fit = carve(a, n, sizeof *w->fit);
   w->score = carve(a, n, sizeof *w->score);
+  w->noise = carve(a, n, sizeof *w->noise);
   w->index = carve(a, n, sizeof *w->index);
   w->outlier = carve(a, n, 1);
+  for (int c = 0; c < w->channels; c++)
+    w->area[c] = carve(a, n, sizeof(double));
   w->predicted = carve(a, n, sizeof(float));
   w->measured = carve(a, n, sizeof(float));
   w->weight = carve(a, n, sizeof(float));
@@ -165,14 +169,26 @@ static hl_status search_both(hl_ctx *ctx, hl_light_work *work, const hl_light_se
   return HL_OK;
 }
 
-static void set_ellipse(hl_light *out)
+/* Half axes of the 95 % ellipse, major first. */
+static void set_ellipse(double (*covariance)[2], double out[2])
 {
-  const double a = out->covariance_rad2[0][0], b = out->covariance_rad2[0][1],
-               c = out->covariance_rad2[1][1];
+  const double a = covariance[0][0], b = covariance[0][1], c = covariance[1][1];
   const double half = 0.5 * (a + c);
   const double root = sqrt(fmax(0, 0.25 * (a - c) * (a - c) + b * b));
-  out->ellipse_95_rad[0] = sqrt(chi2_95 * (half + root));
-  out->ellipse_95_rad[1] = sqrt(chi2_95 * fmax(0, half - root));
+  out[0] = sqrt(chi2_95 * fmax(0, half + root));
+  out[1] = sqrt(chi2_95 * fmax(0, half - root));
+}
+
+/* The covariance from its parts. */
+static void add_parts(hl_light *out)
+{
+  for (int part = 0; part < HL_PARTS; part++) {
+    for (int u = 0; u < 2; u++)
+      for (int v = 0; v < 2; v++)
+        out->covariance_rad2[u][v] += out->part_rad2[part][u][v];
+    set_ellipse(out->part_rad2[part], out->part_95_rad[part]);
+  }
+  set_ellipse(out->covariance_rad2, out->ellipse_95_rad);
 }
 
 static void set_direction(const hl_light_work *work, hl_light *out)
@@ -184,8 +200,8 @@ static void set_direction(const hl_light_work *work, hl_light *out)
   for (int i = 0; i < d->n; i++)
     for (int k = 0; k < 3; k++)
       view[k] += d->view[k][i];
-  hl_unit(view, view);
-  hl_add_scaled(out->direction, 1, view, out->half_angle_direction);
+  hl_unit(view, out->mean_view);
+  hl_add_scaled(out->direction, 1, out->mean_view, out->half_angle_direction);
   hl_unit(out->half_angle_direction, out->half_angle_direction);
 }
 
@@ -265,8 +281,8 @@ static hl_status no_light(hl_ctx *ctx, hl_light *out)
 }
 
 hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *frame,
-                            const hl_surface *surface, const hl_sphere *sphere,
-                            const hl_light_settings *settings, hl_light *out)
+                            const hl_surface *surface, const hl_light_settings *settings,
+                            hl_light *out)
 {
   hl_light_settings own = settings ? *settings : hl_light_defaults();
   hl_light_settled settled;
@@ -295,17 +311,12 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   out->lobe = kept->model.has_lobe ? kept->model.lobe : HL_LOBE_AUTO;
   set_direction(work, out);
   hl_light_uncertainty(work, surface, &kept->model, &settled, own.threads, &spread);
-  memcpy(out->covariance_rad2, spread.covariance, sizeof out->covariance_rad2);
+  memcpy(out->part_rad2[HL_PART_NOISE], spread.noise, sizeof spread.noise);
+  memcpy(out->part_rad2[HL_PART_MODEL], spread.model, sizeof spread.model);
+  out->part_stated[HL_PART_NOISE] = out->part_stated[HL_PART_MODEL] = true;
+  hl_light_geometry(work, &kept->model, surface, &spread, own.threads, out);
+  add_parts(out);
   hl_light_curves(work, &kept->model, own.threads, out);
-  const bool pose_share = sphere && sphere->has_covariance;
-  if (pose_share) {
-    double pose[2][2];
-    hl_light_pose_share(work, &kept->model, &spread, sphere, own.threads, pose);
-    for (int i = 0; i < 2; i++)
-      for (int j = 0; j < 2; j++)
-        out->covariance_rad2[i][j] += pose[i][j];
-  }
-  set_ellipse(out);
   set_color(work, out);
   out->n_pixels = work->all.n;
   out->n_clipped = work->brightness.clipped;
@@ -316,7 +327,7 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   out->condition = spread.condition;
   out->evidence_highlight = spread.highlight_share;
   out->masking_exponent = kept->model.masking ? work->best.at.exponent : 0;
-  hl_light_notes(work, &settled, &spread, sphere, out);
+  hl_light_notes(work, &settled, &spread, surface, out);
   spread_over_surface(work, surface->n);
   return HL_OK;
 }

@@ -145,6 +145,7 @@ void hl_light_curves(struct hl_light_work *work, const hl_light_model *model, in
       curve->value[HL_CURVE_POINTS - 1] = 0;
     }
     out->diffuse_strength[c] = level * body_value(model, x + s.n, 1, cos_view);
+    out->diffuse_view_slope[c] = model->body > 1 ? level * x[s.n + 1] : 0;
     out->ambient[c] = model->ambient ? level * x[s.n + s.m - 1] : 0;
     out->lobe_strength[c] = model->has_lobe ? level * lobe_value(model, x, 0) : 0;
   }
@@ -152,6 +153,7 @@ void hl_light_curves(struct hl_light_work *work, const hl_light_model *model, in
   for (int c = work->all.channels; c < HL_CHANNELS_MAX; c++) {
     out->ambient[c] = out->ambient[0];
     out->diffuse_strength[c] = out->diffuse_strength[0];
+    out->diffuse_view_slope[c] = out->diffuse_view_slope[0];
     out->lobe_strength[c] = out->lobe_strength[0];
   }
 }

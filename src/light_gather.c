@@ -58,6 +58,7 @@ static void gather_pixel(struct hl_light_work *work, const hl_frame *frame,
     if (frame->state[at + (size_t)c] == HL_SAMPLE_CLIPPED)
       all->clipped[p] |= (uint8_t)(1 << c);
     all->value[c][p] = (double)frame->radiance[at + (size_t)c];
+    work->area[c][p] = 0;
     sum += all->value[c][p];
   }
   for (int k = 0; k < 3; k++) {

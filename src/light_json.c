@@ -1,13 +1,15 @@
 /* LIGHT.json: what one frame said about its light.
  *
- * Curves are radiance (BRDF x cos x light) against an angle in degrees; everything else that is an
- * angle and not named *_deg is in radians. Members keep one order, numbers 17 digits. Where no
- * direction was found the lists are empty and the figures null; the reasons remain. */
+ * Curves are radiance (BRDF x cos x light) against an angle in degrees, the diffuse one where n.v is
+ * `at_cos_view`: elsewhere add view_slope (n.s) (n.v - at_cos_view). Everything else that is an angle
+ * and not named *_deg is in radians. Members keep one order, numbers 17 digits. Where no direction was
+ * found the lists are empty and the figures null; the reasons remain. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "halflight/export.h"
+#include "json_notes.h"
 #include "json_write.h"
 
 /* M_PI is not C11 */
@@ -39,18 +41,6 @@ static json_t *rgb(const double value[3], int channels)
   return hl_json_reals(channels == 1 ? grey : value, 3);
 }
 
-static json_t *reason_list(const hl_notes *notes)
-{
-  json_t *list = json_array();
-  bool good = list != NULL;
-  for (int i = 0; i < notes->n && good; i++) {
-    const hl_note *note = &notes->note[i];
-    const char *between = note->what[0] && note->why[0] ? ": " : "";
-    good = push(list, json_sprintf("%s%s%s", note->what, between, note->why));
-  }
-  return kept(list, good);
-}
-
 static json_t *used_list(const hl_notes *notes)
 {
   json_t *list = json_array();
@@ -60,23 +50,22 @@ static json_t *used_list(const hl_notes *notes)
   return kept(list, good);
 }
 
-static json_t *left_out_list(const hl_notes *notes)
+static json_t *half_axes(const double rad[2])
 {
-  json_t *list = json_array();
-  bool good = list != NULL;
-  for (int i = 0; i < notes->n && good; i++)
-    good =
-        push(list, json_pack("{s:s,s:s}", "what", notes->note[i].what, "why", notes->note[i].why));
-  return kept(list, good);
+  const double deg[2] = {rad[0] * degrees, rad[1] * degrees};
+  return hl_json_reals(deg, 2);
 }
 
-static json_t *matrix(const double *rows, int n, int m)
+/* What each part would leave alone; null where nothing is known of it. */
+static json_t *ellipse_parts(const hl_light *light)
 {
-  json_t *list = json_array();
-  bool good = list != NULL;
-  for (int i = 0; i < n && good; i++)
-    good = push(list, hl_json_reals(rows + (size_t)i * (size_t)m, m));
-  return kept(list, good);
+  static const char *const names[HL_PARTS] = {"noise", "model", "pose", "camera"};
+  json_t *parts = json_object();
+  bool good = parts != NULL;
+  for (int i = 0; i < HL_PARTS && good; i++)
+    good = set(parts, names[i],
+               light->part_stated[i] ? half_axes(light->part_95_rad[i]) : json_null());
+  return kept(parts, good);
 }
 
 static json_t *light_list(const hl_light *light)
@@ -84,13 +73,12 @@ static json_t *light_list(const hl_light *light)
   json_t *list = json_array();
   if (!list || !light->found)
     return list;
-  const double ellipse[2] = {light->ellipse_95_rad[0] * degrees,
-                             light->ellipse_95_rad[1] * degrees};
   json_t *one = json_object();
   const bool good = one && set(one, "direction", hl_json_reals(light->direction, 3)) &&
-                    set(one, "tangent_basis", matrix(light->tangent_basis[0], 2, 3)) &&
-                    set(one, "covariance_rad2", matrix(light->covariance_rad2[0], 2, 2)) &&
-                    set(one, "ellipse_95_deg", hl_json_reals(ellipse, 2)) &&
+                    set(one, "tangent_basis", hl_json_rows(light->tangent_basis[0], 2, 3, 3)) &&
+                    set(one, "covariance_rad2", hl_json_rows(light->covariance_rad2[0], 2, 2, 2)) &&
+                    set(one, "ellipse_95_deg", half_axes(light->ellipse_95_rad)) &&
+                    set(one, "ellipse_parts_deg", ellipse_parts(light)) &&
                     set(one, "color", rgb(light->color, light->channels)) &&
                     set(one, "position_m", json_null());
   one = kept(one, good);
@@ -110,8 +98,10 @@ static json_t *lobe_list(const hl_light *light)
   json_t *list = json_array();
   bool good = list != NULL;
   if (light->found && good && has_curve(light, "diffuse"))
-    good = push(list, json_pack("{s:s,s:s,s:o}", "name", "diffuse", "axis", "light", "strength",
-                                rgb(light->diffuse_strength, light->channels)));
+    good = push(list, json_pack("{s:s,s:s,s:o,s:o,s:f}", "name", "diffuse", "axis", "light",
+                                "strength", rgb(light->diffuse_strength, light->channels),
+                                "view_slope", rgb(light->diffuse_view_slope, light->channels),
+                                "at_cos_view", light->mean_cos_view));
   if (light->found && good && light->lobe != HL_LOBE_AUTO)
     good =
         push(list, json_pack("{s:s,s:s,s:o,s:o,s:s}", "name", "specular", "axis", "half-angle",
@@ -192,6 +182,7 @@ static json_t *fit_object(const hl_light *light)
       set(fit, "condition", hl_json_real(known ? light->condition : no)) &&
       set(fit, "masking_exponent", hl_json_real(known ? light->masking_exponent : no)) &&
       set(fit, "mean_cos_view", hl_json_real(known ? light->mean_cos_view : no)) &&
+      set(fit, "mean_view", known ? hl_json_reals(light->mean_view, 3) : json_null()) &&
       set(fit, "ambient", known ? rgb(light->ambient, light->channels) : json_null()) &&
       set(fit, "lobe", known ? json_string(lobe_text(light->lobe)) : json_null());
   /* `evidence` is taken over only by a call that is reached */
@@ -219,11 +210,11 @@ hl_status hl_light_json(hl_ctx *ctx, const hl_light *light, const hl_timing *tim
   const bool good = d && set(d, "format", json_string("halflight-light")) &&
                     set(d, "version", json_integer(1)) &&
                     set(d, "status", json_string(trusted ? "ok" : "untrusted")) &&
-                    set(d, "reasons", reason_list(&light->reasons)) &&
+                    set(d, "reasons", hl_json_reasons(&light->reasons)) &&
                     set(d, "lights", light_list(light)) && set(d, "lobes", lobe_list(light)) &&
                     set(d, "curves", curve_list(light)) && set(d, "fit", fit_object(light)) &&
                     set(d, "used", used_list(light->found ? &light->used : &none)) &&
-                    set(d, "left_out", left_out_list(light->found ? &light->left_out : &none)) &&
+                    set(d, "left_out", hl_json_notes(light->found ? &light->left_out : &none)) &&
                     set(d, "timing_ms", timing_object(timing));
   return hl_json_text(ctx, kept(d, good), out);
 }

@@ -68,10 +68,6 @@ static void accumulate_block(const hl_light_model *model, const hl_light_data *d
   work->n_clipped[b] = rows;
 }
 
-/* One thread goes without OpenMP, whose runtime may allocate: not even its entry is called, which is
- * why the parallel loops are functions of their own. */
-#define HL_APART __attribute__((noinline))
-
 static HL_APART void accumulate_parallel(const hl_light_model *model, const hl_light_data *data,
                                          const double s[3], double exponent, int threads,
                                          hl_model_work *work)

@@ -15,6 +15,10 @@ enum {
 };
 enum { HL_BLOCKS = 16 }; /* fixed, so that sums do not depend on the number of threads */
 
+/* One thread goes without OpenMP, whose runtime may allocate: not even its entry is called, which is
+ * why the parallel loops are functions of their own. */
+#define HL_APART __attribute__((noinline))
+
 /* The pixels in one place: structure of arrays, radiance divided by `level` of the frame. */
 typedef struct hl_light_data {
   int n, channels;

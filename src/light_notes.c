@@ -1,9 +1,8 @@
 /* Verdicts in words: what was used, what was left out and why, and whether to trust the answer. */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "halflight/notes.h"
 #include "halflight/vec3.h"
 #include "light_work.h"
 
@@ -13,18 +12,6 @@ static const double least_explained = 0.6; /* of the variance */
 static const double all_clipped = 0.95, most_clipped = 0.7; /* of the lit pixels */
 static const double widest_ellipse_deg = 5;
 static const int least_pixels = 60;
-
-void hl_notes_add(hl_notes *notes, const char *what, const char *format, ...)
-{
-  if (notes->n >= HL_NOTES_MAX)
-    return;
-  hl_note *note = &notes->note[notes->n++];
-  snprintf(note->what, sizeof note->what, "%s", what);
-  va_list args;
-  va_start(args, format);
-  vsnprintf(note->why, sizeof note->why, format, args);
-  va_end(args);
-}
 
 bool hl_light_hopeless(const struct hl_light_work *work, const hl_frame *frame, hl_light *out)
 {
@@ -67,8 +54,33 @@ static void identify(const hl_light_settled *settled, hl_light *out)
   }
 }
 
+static void note_geometry(const hl_surface *surface, hl_light *out)
+{
+  const hl_sphere *ball = &surface->ball;
+  const hl_camera *camera = &surface->camera;
+  if (out->part_stated[HL_PART_POSE])
+    hl_notes_add(&out->used, "pose uncertainty", "the ball's covariance is part of the ellipse");
+  else if (!surface->is_ball)
+    hl_notes_add(&out->left_out, "pose uncertainty", "the normals are taken as exact");
+  else
+    hl_notes_add(&out->left_out, "pose uncertainty", "the ball's pose comes without a covariance");
+  if (!out->part_stated[HL_PART_CAMERA])
+    hl_notes_add(&out->left_out, "camera uncertainty", "the camera states none");
+  else if (!surface->is_ball)
+    hl_notes_add(&out->used, "camera uncertainty", "moves the views; the normals stay");
+  else if (hl_surface_follows(surface))
+    hl_notes_add(&out->used, "camera uncertainty", "the ball moves along: it was found through it");
+  else if (ball->n_intrinsics > 0)
+    hl_notes_add(&out->used, "camera uncertainty",
+                 "the pose stays: it was found through a camera of %d intrinsics, this one has %d",
+                 ball->n_intrinsics, hl_camera_intrinsics_count(camera));
+  else
+    hl_notes_add(&out->used, "camera uncertainty",
+                 "the pose stays: it does not say how it depends on the camera");
+}
+
 static void note_terms(const struct hl_light_work *work, const hl_light_settled *settled,
-                       const hl_sphere *sphere, hl_light *out)
+                       hl_light *out)
 {
   const hl_light_variant *kept = &settled->variant[settled->kept];
   const hl_light_model *m = &kept->model;
@@ -112,12 +124,6 @@ static void note_terms(const struct hl_light_work *work, const hl_light_settled 
     hl_notes_add(&out->used, "outlier rejection", "%d pixels left out", settled->outliers);
   else
     hl_notes_add(&out->left_out, "outlier rejection", "no pixel stands out");
-  if (sphere && sphere->has_covariance)
-    hl_notes_add(&out->used, "pose uncertainty", "the ball's covariance is part of the ellipse");
-  else if (!sphere)
-    hl_notes_add(&out->left_out, "pose uncertainty", "the normals are taken as exact");
-  else
-    hl_notes_add(&out->left_out, "pose uncertainty", "the ball's pose comes without a covariance");
 }
 
 static void judge(const struct hl_light_work *work, const hl_light_settled *settled,
@@ -151,9 +157,10 @@ static void judge(const struct hl_light_work *work, const hl_light_settled *sett
 }
 
 void hl_light_notes(const struct hl_light_work *work, const hl_light_settled *settled,
-                    const hl_light_spread *spread, const hl_sphere *sphere, hl_light *out)
+                    const hl_light_spread *spread, const hl_surface *surface, hl_light *out)
 {
   identify(settled, out);
-  note_terms(work, settled, sphere, out);
+  note_terms(work, settled, out);
+  note_geometry(surface, out);
   judge(work, settled, spread, out);
 }

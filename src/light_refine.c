@@ -116,7 +116,7 @@ void hl_light_breaks(const hl_light_data *data, const double s[3], int count, in
 {
   enum { MOST = HL_SPLINE_MAX - 2 };
   int samples[MOST] = {0};
-  double breaks[MOST];
+  double breaks[MOST + 1];
   const double top = sqrt(2.0);
   count = count > MOST - 1 ? MOST - 1 : count;
   for (int i = 0; i < data->n; i++) {
@@ -134,19 +134,9 @@ void hl_light_breaks(const hl_light_data *data, const double s[3], int count, in
     const int j = (int)(share * count);
     samples[j < count ? j : count - 1]++;
   }
-  int left = 0, n = 1, held = 0;
-  for (int j = 0; j < count; j++)
-    left += samples[j];
-  breaks[0] = 0;
-  for (int j = 0; j < count - 1; j++) {
-    held += samples[j];
-    left -= samples[j];
-    if (held >= least && left >= least) {
-      const double share = (double)(j + 1) / count;
-      breaks[n++] = top * share * share;
-      held = 0;
-    }
+  for (int j = 0; j <= count; j++) {
+    const double share = (double)j / count;
+    breaks[j] = top * share * share;
   }
-  breaks[n++] = top;
-  hl_spline_init(spline, breaks, n);
+  hl_spline_init(spline, breaks, hl_spline_thin(breaks, samples, count, least, breaks));
 }

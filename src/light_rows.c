@@ -4,8 +4,7 @@
  *
  *   h = (s + v)/|s + v|,   u = |n - h| = 2 sin(angle(n,h) / 2), smooth where acos is not
  *   g = (1 or 1/(n.v)) M^a,   B cubic B-splines over u
- *   M = G(n.s) G(n.v), G(x) = 2x/(x + sqrt(r^2 + (1 - r^2) x^2)), r = 0.1: Smith's shadowing and
- *       masking of a rough surface, which bites near the shadow's edge and the limb; a is fitted
+ *   M = G(n.s) G(n.v): Smith's shadowing and masking (smith.h); a is fitted
  *   lit = share of the pixel that sees the light, D = mean of max(0, n.s) over the pixel: with w the
  *       change of n.s across the pixel, a ramp from -w/2 to w/2, so that the cost does not jump when
  *       the shadow's edge crosses a pixel's centre
@@ -20,17 +19,7 @@
 
 #include <math.h>
 
-static const double masking_width = 0.1; /* r */
-static const double least_cosine = 0.01;
-
-/* Log of G at cosine x, and its slope. */
-static double log_smith(double x, double *slope)
-{
-  const double r2 = masking_width * masking_width;
-  const double root = sqrt(r2 + (1 - r2) * x * x);
-  *slope = 1 / x - (1 + x * (1 - r2) / root) / (x + root);
-  return log(2 * x / (x + root));
-}
+#include "smith.h"
 
 void hl_rows_geometry(const hl_light_model *model, const hl_light_data *data, int first, int count,
                       const double s[3], double exponent, const double (*t)[3], hl_rows *c)
@@ -75,8 +64,9 @@ void hl_rows_geometry(const hl_light_model *model, const hl_light_data *data, in
   if (model->masking)
     for (int i = 0; i < count; i++) {
       double rate, unused;
-      const bool bites = nl[i] > least_cosine;
-      c->masking[i] = log_smith(bites ? nl[i] : least_cosine, &rate) + log_smith(nv[i], &unused);
+      const bool bites = nl[i] > hl_smith_least_cosine;
+      c->masking[i] =
+          hl_smith_log(bites ? nl[i] : hl_smith_least_cosine, &rate) + hl_smith_log(nv[i], &unused);
       c->g[i] *= exp(exponent * c->masking[i]);
       if (t && bites)
         for (int k = 0; k < 2; k++)

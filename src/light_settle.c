@@ -12,7 +12,7 @@
 #include "halflight/vec3.h"
 #include "light_work.h"
 
-enum { BREAKS = 40, LEAST_PIXELS = 6, ROUNDS = 2, ITERATIONS = 12, PASSES = 6 };
+enum { BREAKS = 40, LEAST_PIXELS = 6, ROUNDS = 2, ITERATIONS = 12, PASSES = 6, AREA_ROUNDS = 2 };
 static const hl_light_noise final_noise = {0.008, 0.02};
 static const double tolerance_rad = 1e-6, compare_tolerance_rad = 2e-5;
 static const double least_gain = 0.005;
@@ -303,6 +303,14 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
     if (out->outliers <= before + before / 20)
       break;
     hl_light_weigh(&work->all, final_noise, work->outlier);
+  }
+  for (int round = 0; surface->is_ball && round < AREA_ROUNDS; round++) {
+    hl_light_variant *kept = &out->variant[out->kept];
+    hl_light_bring_to_middle(work, &kept->model, surface, settings->threads);
+    if (refine_variant(work, settings, kept->s, 1, kept) != HL_OK)
+      return hl_fail(ctx, HL_ERR_DEGENERATE, "the fit was lost on repeating it");
+    work->best = work->refined;
+    out->iterations += work->refined.iterations;
   }
   trace_variants(ctx, out);
   memcpy(out->coarse_s, start[out->variant[out->kept].model.lobe == HL_LOBE_FORESHORTENED],

@@ -13,8 +13,8 @@
  * that no residual of one model shows. It lies along the plane of light and view almost entirely,
  * because a mirror image about that plane is common to all isotropic reflectance.
  *
- * The pose enters by the same linearisation: with the ball's centre moved by dC, a pixel's point
- * and normal move by dn = (d (n.dC)/(n.d) - dC)/R, d the pixel's ray, and the direction by H^-1 g.
+ * Of it the noise is what second differences of the residual along the frame's rows also show, in which
+ * misfit cancels; the rest is the model's.
  */
 #include <math.h>
 #include <string.h>
@@ -97,21 +97,37 @@ static double compressed(double y)
   return y / (1 + fabs(y));
 }
 
-static void add_channel(struct hl_light_work *work, const hl_light_model *model, int c, sums *s)
+/* The noise of a pixel: its residual's departure from both neighbours' in the row, of the noise's own
+ * variance; without neighbours the residual itself. */
+static double departure(const struct hl_light_work *work, const hl_surface *surface, int c, int i)
+{
+  const hl_light_data *d = &work->all;
+  const double *y = d->value[c], *w = d->weight[c];
+  const hl_model_pixel *f = work->fit;
+  const double r = y[i] - f[i].value;
+  if (i == 0 || i + 1 == d->n || !(w[i - 1] > 0 && w[i + 1] > 0) ||
+      !hl_light_in_a_row(work, surface, i))
+    return r;
+  return (2 * r - (y[i - 1] - f[i - 1].value) - (y[i + 1] - f[i + 1].value)) / sqrt(6.0);
+}
+
+static void add_channel(struct hl_light_work *work, const hl_surface *surface,
+                        const hl_light_model *model, int c, sums *s)
 {
   const hl_light_data *d = &work->all;
   const int q = hl_model_nonlinear(model);
   for (int i = 0; i < d->n; i++) {
     const hl_model_pixel *f = &work->fit[i];
     const double y = d->value[c][i], w = d->weight[c][i];
-    work->predicted[i] += (float)(f->value / d->channels);
-    work->measured[i] += (float)(y / d->channels);
+    work->predicted[i] += (float)((f->value + work->area[c][i]) / d->channels);
+    work->measured[i] += (float)((y + work->area[c][i]) / d->channels);
     const bool clipped = d->clipped[i] >> c & 1;
     if (!(w > 0) || (clipped && !(f->value < y)))
       continue;
-    const double r = y - f->value;
+    const double r = y - f->value, noise = departure(work, surface, c, i);
     for (int u = 0; u < q; u++) {
       work->score[i][u] += w * r * f->profiled[u];
+      work->noise[i][u] += w * noise * f->profiled[u];
       for (int v = 0; v < q; v++)
         s->h[u][v] += w * f->profiled[u] * f->profiled[v];
     }
@@ -189,7 +205,27 @@ static void tile_products(const struct hl_light_work *work, const hl_surface *su
         m[u][v] += tile[t][u] * tile[t][v];
 }
 
-/* What the answer moves by between defensible models, as a covariance in the tangents: each weighs
+static void pixel_products(double (*score)[HL_NONLINEAR_MAX], int n, int q,
+                           double m[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX])
+{
+  for (int i = 0; i < n; i++)
+    for (int u = 0; u < q; u++)
+      for (int v = 0; v < q; v++)
+        m[u][v] += score[i][u] * score[i][v];
+}
+
+/* All of it into noise and the rest; the noise is cut to what leaves the rest a covariance. */
+static void split(double all[2][2], double noise[2][2], hl_light_spread *out)
+{
+  const double share = 1 / fmax(relative_size(noise, all), 1);
+  for (int u = 0; u < 2; u++)
+    for (int v = 0; v < 2; v++) {
+      out->noise[u][v] = share * noise[u][v];
+      out->model[u][v] = all[u][v] - share * noise[u][v];
+    }
+}
+
+/* Adds what the answer moves by between defensible models, as a covariance in the tangents: each weighs
  * the less the worse it fits, and so does the answer under relative weights, which is half a model.
  */
 static void model_share(const struct hl_light_work *work, const hl_light_settled *settled,
@@ -197,7 +233,7 @@ static void model_share(const struct hl_light_work *work, const hl_light_settled
 {
   const hl_model_point *at = &work->best.at;
   const double cost = settled->variant[settled->kept].cost;
-  double total = 1;
+  double total = 1, sum[2][2] = {{0}};
   for (int i = HL_VARIANT_MATTE; i <= HL_VARIANTS; i++) {
     const bool coarse = i == HL_VARIANTS;
     const double *s = coarse ? settled->coarse_s : settled->variant[i].s;
@@ -209,12 +245,12 @@ static void model_share(const struct hl_light_work *work, const hl_light_settled
     const double delta[2] = {hl_dot(s, at->t[0]), hl_dot(s, at->t[1])};
     for (int u = 0; u < 2; u++)
       for (int v = 0; v < 2; v++)
-        out[u][v] += weight * delta[u] * delta[v];
+        sum[u][v] += weight * delta[u] * delta[v];
     total += weight;
   }
   for (int u = 0; u < 2; u++)
     for (int v = 0; v < 2; v++)
-      out[u][v] /= total;
+      out[u][v] += sum[u][v] / total;
 }
 
 void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
@@ -226,35 +262,32 @@ void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
   const size_t n = (size_t)d->n;
   double white[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX] = {{0}};
   double tiles[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX] = {{0}};
-  double by_pixel[2][2], by_tile[2][2];
+  double noise[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX] = {{0}};
+  double by_pixel[2][2], by_tile[2][2], by_noise[2][2];
   sums s;
   memset(&s, 0, sizeof s);
   memset(work->score, 0, n * sizeof *work->score);
+  memset(work->noise, 0, n * sizeof *work->noise);
   memset(work->predicted, 0, n * sizeof *work->predicted);
   memset(work->measured, 0, n * sizeof *work->measured);
   hl_model_differentiate(model, d, &work->best.at, threads, &work->model, &work->best.step);
   for (int c = 0; c < d->channels; c++) {
     hl_model_predict(model, d, &work->best.at, work->best.step.solved, 0, d->n, c, work->fit);
-    add_channel(work, model, c, &s);
+    add_channel(work, surface, model, c, &s);
   }
-  for (int i = 0; i < d->n; i++)
-    for (int u = 0; u < q; u++)
-      for (int v = 0; v < q; v++)
-        white[u][v] += work->score[i][u] * work->score[i][v];
+  pixel_products(work->score, d->n, q, white);
+  pixel_products(work->noise, d->n, q, noise);
   tile_products(work, surface, q, tiles);
   memset(out, 0, sizeof *out);
   invert(s.h, q, out->inverse);
   sandwich(out->inverse, white, q, by_pixel);
   sandwich(out->inverse, tiles, q, by_tile);
   out->structure = relative_size(by_tile, by_pixel);
-  const bool structured = out->structure > structured_ratio;
-  memcpy(out->covariance, structured ? by_tile : by_pixel, sizeof out->covariance);
-  if (structured) {
-    double model_part[2][2] = {{0}};
-    model_share(work, settled, model_part);
-    for (int u = 0; u < 2; u++)
-      for (int v = 0; v < 2; v++)
-        out->covariance[u][v] += model_part[u][v];
+  memcpy(out->noise, by_pixel, sizeof out->noise);
+  if (out->structure > structured_ratio) {
+    sandwich(out->inverse, noise, q, by_noise);
+    split(by_tile, by_noise, out);
+    model_share(work, settled, out->model);
   }
   const double half = 0.5 * (s.h[0][0] + s.h[1][1]);
   const double root = sqrt(fmax(0, half * half - s.h[0][0] * s.h[1][1] + s.h[0][1] * s.h[0][1]));
@@ -265,48 +298,4 @@ void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
   out->relative_error = s.data > 0 ? s.fit_error / s.data : 1;
   const double variance = s.variance - s.mean * s.mean / fmax(s.ww, 1);
   out->explained = variance > 0 ? 1 - s.residual / variance : 0;
-}
-
-/* Move every normal as a shift of the ball's centre by sign * step along axis k does. */
-static void shift_ball(hl_light_data *d, int k, double step_over_radius)
-{
-  for (int i = 0; i < d->n; i++) {
-    const double n[3] = {d->normal[0][i], d->normal[1][i], d->normal[2][i]};
-    const double ray[3] = {-d->view[0][i], -d->view[1][i], -d->view[2][i]};
-    const double slide = n[k] / hl_dot(n, ray);
-    for (int j = 0; j < 3; j++)
-      d->normal[j][i] = n[j] + step_over_radius * (ray[j] * slide - (j == k));
-  }
-}
-
-void hl_light_pose_share(struct hl_light_work *work, const hl_light_model *model,
-                         const hl_light_spread *spread, const hl_sphere *sphere, int threads,
-                         double covariance[2][2])
-{
-  static const double step = 1e-3; /* of the radius: far below a pixel, far above rounding */
-  hl_light_data *d = &work->all;
-  double response[2][3] = {{0}}; /* tangents per metre */
-  const hl_model_point *at = &work->best.at;
-  const int q = hl_model_nonlinear(model);
-  for (int k = 0; k < 3; k++)
-    for (int sign = -1; sign <= 1; sign += 2) {
-      hl_model_step *out = &work->refined.step;
-      shift_ball(d, k, sign * step);
-      if (hl_model_fit(model, d, at->s, at->exponent, threads, &work->model, &work->model.trial) ==
-          0) {
-        hl_model_differentiate(model, d, &work->model.trial, threads, &work->model, out);
-        for (int u = 0; u < 2; u++)
-          for (int v = 0; v < q; v++)
-            response[u][k] +=
-                sign * spread->inverse[u][v] * out->gradient[v] / (2 * step * sphere->radius_m);
-      }
-      shift_ball(d, k, -sign * step);
-    }
-  for (int u = 0; u < 2; u++)
-    for (int v = 0; v < 2; v++) {
-      covariance[u][v] = 0;
-      for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-          covariance[u][v] += response[u][i] * sphere->covariance_m2[i][j] * response[v][j];
-    }
 }

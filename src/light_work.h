@@ -30,8 +30,10 @@ struct hl_light_work {
   hl_ranked *ranked;                    /* shape (max_pixels) */
   hl_model_pixel *fit;                  /* shape (max_pixels): one channel at a time */
   double (*score)[HL_NONLINEAR_MAX];    /* shape (max_pixels): sum over channels of w r d */
+  double (*noise)[HL_NONLINEAR_MAX];    /* likewise, of the residual's noise */
   int *index;                           /* shape (max_pixels): place in the surface */
   uint8_t *outlier;                     /* shape (max_pixels): 1 = left out */
+  double *area[HL_CHANNELS_MAX];        /* shape (max_pixels): taken off `all`'s values */
   float *predicted, *measured, *weight; /* shape (max_pixels) */
   hl_refined refined, best;
 };
@@ -64,6 +66,10 @@ typedef struct hl_light_candidate {
 } hl_light_candidate;
 int hl_light_search(struct hl_light_work *work, const hl_light_settings *settings, hl_lobe lobe,
                     hl_light_candidate out[HL_CANDIDATES]);
+
+/* light_area.c: bring the pixels' means to what their middles show, by the fit at work->best. */
+void hl_light_bring_to_middle(struct hl_light_work *work, const hl_light_model *model,
+                              const hl_surface *surface, int threads);
 
 /* light_settle.c: which terms the frame needs, and the direction with them. */
 typedef struct hl_light_variant {
@@ -103,7 +109,7 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
 
 /* light_uncertainty.c */
 typedef struct hl_light_spread {
-  double covariance[2][2];                            /* in work->best's tangents */
+  double noise[2][2], model[2][2];                    /* in work->best's tangents */
   double inverse[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX]; /* of the information matrix H */
   double structure; /* misfit correlated over the ball: clustered over white variance */
   double condition;
@@ -113,18 +119,30 @@ typedef struct hl_light_spread {
 void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
                           const hl_light_model *model, const hl_light_settled *settled, int threads,
                           hl_light_spread *out);
-void hl_light_pose_share(struct hl_light_work *work, const hl_light_model *model,
-                         const hl_light_spread *spread, const hl_sphere *sphere, int threads,
-                         double covariance[2][2]);
+
+/* light_geometry.c: how the direction moves, in work->best's tangents, as the ball's centre [1/m] and,
+ * where the camera states a covariance, as its intrinsics do, the centre held. */
+typedef struct hl_light_response {
+  double by_center[2][3];
+  double by_intrinsics[2][HL_INTRINSICS_MAX];
+} hl_light_response;
+void hl_light_respond(struct hl_light_work *work, const hl_light_model *model,
+                      const hl_surface *surface, const hl_light_spread *spread, int threads,
+                      hl_light_response *out);
+/* Whether the ball's centre is known to follow the surface's camera. */
+bool hl_surface_follows(const hl_surface *surface);
+/* Fills the parts of the pose and of the camera, as far as they are stated. */
+void hl_light_geometry(struct hl_light_work *work, const hl_light_model *model,
+                       const hl_surface *surface, const hl_light_spread *spread, int threads,
+                       hl_light *out);
 
 /* light_curves.c */
 void hl_light_curves(struct hl_light_work *work, const hl_light_model *model, int threads,
                      hl_light *out);
 
 /* light_notes.c */
-void hl_notes_add(hl_notes *notes, const char *what, const char *format, ...) HL_PRINTF(3, 4);
 void hl_light_notes(const struct hl_light_work *work, const hl_light_settled *settled,
-                    const hl_light_spread *spread, const hl_sphere *sphere, hl_light *out);
+                    const hl_light_spread *spread, const hl_surface *surface, hl_light *out);
 /* Fills reasons and returns true where the frame cannot tell a direction at all. */
 bool hl_light_hopeless(const struct hl_light_work *work, const hl_frame *frame, hl_light *out);
 

@@ -8,44 +8,34 @@
 #include "nnls.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
+
+#include "cholesky.h"
 
 static const double ridge = 1e-12;
 
-/* Solve for the free unknowns alone. */
-static void solve_free(const double *a, const double *b, int n, const bool *is_free, double *z)
+/* Solve for the free unknowns alone; returns how many they are. */
+static int solve_free(const double *a, const double *b, int n, const bool *is_free, double *z,
+                      double *u)
 {
-  double l[HL_NNLS_MAX][HL_NNLS_MAX];
-  int index[HL_NNLS_MAX], k = 0;
+  int index[HL_NNLS_LARGEST], k = 0;
+  double y[HL_NNLS_LARGEST];
   for (int i = 0; i < n; i++) {
     z[i] = 0;
     if (is_free[i])
       index[k++] = i;
   }
-  double y[HL_NNLS_MAX];
-  for (int i = 0; i < k; i++) {
-    const double *row = a + (long)index[i] * n;
-    for (int j = 0; j <= i; j++) {
-      double sum = row[index[j]];
-      for (int p = 0; p < j; p++)
-        sum -= l[i][p] * l[j][p];
-      if (i == j)
-        l[i][i] = sqrt(fmax(sum, ridge * row[index[i]] + 1e-300));
-      else
-        l[i][j] = sum / l[j][j];
-    }
-    double sum = b[index[i]];
-    for (int p = 0; p < i; p++)
-      sum -= l[i][p] * y[p];
-    y[i] = sum / l[i][i];
+  for (int j = 0; j < k; j++) {
+    const double *row = a + (long)index[j] * n;
+    for (int i = 0; i <= j; i++)
+      u[(long)i * n + j] = row[index[i]];
+    y[j] = b[index[j]];
   }
-  for (int i = k - 1; i >= 0; i--) {
-    double sum = y[i];
-    for (int p = i + 1; p < k; p++)
-      sum -= l[p][i] * z[index[p]];
-    z[index[i]] = sum / l[i][i];
-  }
+  hl_cholesky(u, k, n, ridge);
+  hl_cholesky_solve(u, k, n, y);
+  for (int i = 0; i < k; i++)
+    z[index[i]] = y[i];
+  return k;
 }
 
 /* The held unknown whose release lowers the cost most for its scale; -1: none. */
@@ -70,41 +60,69 @@ static int most_wanted(const double *a, const double *b, int n, const bool *is_f
   return best;
 }
 
-int hl_nnls(const double *a, const double *b, int n, double *x)
+static bool is_bound(const bool *signs, int i)
 {
-  bool is_free[HL_NNLS_MAX] = {false}, refused[HL_NNLS_MAX] = {false};
-  double z[HL_NNLS_MAX];
-  memset(x, 0, sizeof *x * (size_t)n);
+  return !signs || !signs[i];
+}
+
+/* Solve for the free unknowns, holding those that turn negative on the way from x. */
+static void settle_free(const double *a, const double *b, int n, const bool *signs, bool *is_free,
+                        bool *refused, int next, double *x, double *u)
+{
+  double z[HL_NNLS_LARGEST];
+  for (int inner = 0; inner <= n; inner++) {
+    solve_free(a, b, n, is_free, z, u);
+    double step = 1;
+    int stop = -1;
+    for (int i = 0; i < n; i++)
+      if (is_free[i] && is_bound(signs, i) && z[i] <= 0) {
+        const double t = x[i] / (x[i] - z[i]);
+        if (!(t >= step)) {
+          step = t >= 0 ? t : 0;
+          stop = i;
+        }
+      }
+    for (int i = 0; i < n; i++)
+      x[i] += step * (z[i] - x[i]);
+    if (stop < 0)
+      break;
+    for (int i = 0; i < n; i++)
+      if (is_free[i] && is_bound(signs, i) && (i == stop || x[i] <= 0)) {
+        x[i] = 0;
+        is_free[i] = false;
+        refused[i] = i == next; /* rounding alone wanted it: not again in this round */
+      }
+  }
+}
+
+int hl_nnls_from(const double *a, const double *b, int n, const bool *signs, bool *is_free,
+                 double *x, double *work)
+{
+  bool refused[HL_NNLS_LARGEST] = {false};
+  bool any = false;
+  for (int i = 0; i < n; i++) {
+    is_free[i] = is_free[i] || !is_bound(signs, i);
+    any = any || is_free[i];
+  }
+  if (any)
+    settle_free(a, b, n, signs, is_free, refused, -1, x, work);
+  memset(refused, 0, sizeof refused);
   for (int round = 0; round < 3 * n + 8; round++) {
     const int next = most_wanted(a, b, n, is_free, refused, x);
     if (next < 0)
       return 0;
     is_free[next] = true;
-    for (int inner = 0; inner <= n; inner++) {
-      solve_free(a, b, n, is_free, z);
-      double step = 1;
-      int stop = -1;
-      for (int i = 0; i < n; i++)
-        if (is_free[i] && z[i] <= 0) {
-          const double t = x[i] / (x[i] - z[i]);
-          if (!(t >= step)) {
-            step = t >= 0 ? t : 0;
-            stop = i;
-          }
-        }
-      for (int i = 0; i < n; i++)
-        x[i] += step * (z[i] - x[i]);
-      if (stop < 0)
-        break;
-      for (int i = 0; i < n; i++)
-        if (is_free[i] && (i == stop || x[i] <= 0)) {
-          x[i] = 0;
-          is_free[i] = false;
-          refused[i] = i == next; /* rounding alone wanted it: not again in this round */
-        }
-    }
+    settle_free(a, b, n, signs, is_free, refused, next, x, work);
     if (is_free[next])
       memset(refused, 0, sizeof refused);
   }
   return -1;
+}
+
+int hl_nnls(const double *a, const double *b, int n, double *x)
+{
+  bool is_free[HL_NNLS_MAX] = {false};
+  double work[HL_NNLS_MAX * HL_NNLS_MAX];
+  memset(x, 0, sizeof *x * (size_t)n);
+  return hl_nnls_from(a, b, n, NULL, is_free, x, work);
 }

@@ -68,3 +68,23 @@ void hl_spline_init(hl_spline *spline, const double *breaks, int n_breaks)
     spline->bin[b] = (unsigned char)i;
   }
 }
+
+int hl_spline_thin(const double *candidate, const int *samples, int intervals, int least,
+                   double *out)
+{
+  const double last = candidate[intervals];
+  int left = 0, n = 1, held = 0;
+  for (int j = 0; j < intervals; j++)
+    left += samples[j];
+  out[0] = candidate[0];
+  for (int j = 0; j < intervals - 1; j++) {
+    held += samples[j];
+    left -= samples[j];
+    if (held >= least && left >= least) {
+      out[n++] = candidate[j + 1];
+      held = 0;
+    }
+  }
+  out[n++] = last;
+  return n;
+}

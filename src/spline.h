@@ -17,6 +17,12 @@ typedef struct hl_spline {
 /* breaks: ascending, n_breaks in [2, HL_SPLINE_MAX - 2]. */
 void hl_spline_init(hl_spline *spline, const double *breaks, int n_breaks);
 
+/* Of `intervals` candidate intervals between `candidate` breaks, of which each holds samples[j], join
+ * neighbours from the low end until every one holds `least`. Returns how many breaks are left; out may
+ * be `candidate`. */
+int hl_spline_thin(const double *candidate, const int *samples, int intervals, int least,
+                   double *out);
+
 /* Interval of u, clamped to the domain. Functions interval .. interval + 3 live there. */
 static inline int hl_spline_interval(const hl_spline *spline, double u)
 {
@@ -34,8 +40,13 @@ static inline int hl_spline_values(const hl_spline *spline, double u, double val
   const int i = hl_spline_interval(spline, u);
   const double(*c)[4] = spline->poly[i];
   const double x = u - spline->left[i];
+  double sum[4];
+  for (int k = 0; k < 4; k++) /* power by power, so that the four functions become vectors */
+    sum[k] = c[2][k] + x * c[3][k];
   for (int k = 0; k < 4; k++)
-    value[k] = c[0][k] + x * (c[1][k] + x * (c[2][k] + x * c[3][k]));
+    sum[k] = c[1][k] + x * sum[k];
+  for (int k = 0; k < 4; k++)
+    value[k] = c[0][k] + x * sum[k];
   return i;
 }
 

@@ -1,9 +1,8 @@
 /*
  * The seen surface.
  *
- * Ball: a unit ray u from the camera, with m = C - (C.u) u the part of the centre C across it,
- * meets the ball where |m| < R, first at t = C.u - sqrt(R^2 - m.m); n = (t u - C) / R and v = -u.
- * The ball's image is convex, so a pixel whose four corners lie on it lies on it as a whole.
+ * Ball: where a pixel's ray u meets it (ball_hit.h) is its normal, and v = -u. The ball's image is
+ * convex, so a pixel whose four corners lie on it lies on it as a whole.
  *
  * Footprint: with a, b the changes of the normal across the pixel's width and height, the largest
  * singular value of [a b].
@@ -12,10 +11,13 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ball_hit.h"
 #include "halflight/vec3.h"
+#include "surface_look.h"
 
 enum { COARSE = 16 };
 
@@ -35,9 +37,9 @@ void hl_surface_free(hl_surface *surface)
   *surface = (hl_surface){0};
 }
 
-static hl_status surface_new(hl_ctx *ctx, const hl_camera *camera, size_t room, hl_surface *out)
+static hl_status surface_new(hl_ctx *ctx, int width, int height, size_t room, hl_surface *out)
 {
-  hl_surface s = {.width = camera->width, .height = camera->height};
+  hl_surface s = {.width = width, .height = height};
   if (room == 0)
     room = 1;
   s.pixel = malloc(room * sizeof *s.pixel);
@@ -96,19 +98,19 @@ static seen look(const hl_camera *camera, const hl_sphere *ball, double x, doubl
   seen s = {.hit = false};
   if (hl_camera_unproject(NULL, camera, x, y, s.ray) != HL_OK)
     return s;
-  const double along = hl_dot(ball->center_m, s.ray);
-  double across[3];
-  hl_add_scaled(ball->center_m, -along, s.ray, across);
-  const double under = ball->radius_m * ball->radius_m - hl_dot(across, across);
-  if (!(under > 0 && along > 0))
-    return s;
-  /* t u - C = -(m + sqrt(under) u): no difference of large numbers */
-  const double deep = sqrt(under);
-  for (int i = 0; i < 3; i++)
-    s.normal[i] = -(across[i] + deep * s.ray[i]) / ball->radius_m;
-  hl_unit(s.normal, s.normal);
-  s.hit = true;
+  s.hit = hl_ball_hit(ball, s.ray, s.normal);
   return s;
+}
+
+bool hl_ball_look(const hl_camera *camera, const hl_sphere *ball, double x, double y,
+                  double normal[3], double view[3])
+{
+  const seen s = look(camera, ball, x, y);
+  for (int i = 0; i < 3 && s.hit; i++) {
+    normal[i] = s.normal[i];
+    view[i] = -s.ray[i];
+  }
+  return s.hit;
 }
 
 typedef struct box {
@@ -216,7 +218,7 @@ hl_status hl_surface_of_sphere(hl_ctx *ctx, const hl_camera *camera, const hl_sp
   const size_t w = b.x1 > b.x0 ? (size_t)(b.x1 - b.x0) : 0;
   const size_t h = b.y1 > b.y0 ? (size_t)(b.y1 - b.y0) : 0;
   hl_surface surface;
-  st = surface_new(ctx, camera, w * h, &surface);
+  st = surface_new(ctx, camera->width, camera->height, w * h, &surface);
   if (st != HL_OK)
     return st;
   seen *corners = malloc(2 * (w + 1) * sizeof *corners);
@@ -235,6 +237,9 @@ hl_status hl_surface_of_sphere(hl_ctx *ctx, const hl_camera *camera, const hl_sp
                    sphere->center_m[2]);
   }
   shrink(&surface);
+  surface.camera = *camera;
+  surface.is_ball = true;
+  surface.ball = *sphere;
   *out = surface;
   return HL_OK;
 }
@@ -271,13 +276,10 @@ static void change_along(const hl_frame *map, int x, int y, int dx, int dy, cons
     change[i] = share * (to[i] - from[i]);
 }
 
-static hl_status check_map(hl_ctx *ctx, const hl_camera *camera, const hl_frame *map)
+static hl_status check_map(hl_ctx *ctx, const hl_frame *map)
 {
   if (map->channels != 3)
     return hl_fail(ctx, HL_ERR_FORMAT, "normal map has %d channel; 3 are needed", map->channels);
-  if (map->width != camera->width || map->height != camera->height)
-    return hl_fail(ctx, HL_ERR_FORMAT, "normal map is %d x %d px; the camera's %d x %d is needed",
-                   map->width, map->height, camera->width, camera->height);
   const size_t pixels = (size_t)map->width * (size_t)map->height;
   for (size_t p = 0; p < pixels; p++) {
     const float *r = map->radiance + 3 * p;
@@ -294,16 +296,33 @@ static hl_status check_map(hl_ctx *ctx, const hl_camera *camera, const hl_frame 
   return HL_OK;
 }
 
-static void fill_from_map(const hl_camera *camera, const hl_frame *map, double min_cos_view,
+/* From where the map's pixels are seen: through a camera, or along one view. */
+typedef struct seen_from {
+  const hl_camera *camera; /* NULL: along `view` */
+  double view[3];
+} seen_from;
+
+static bool view_of(const seen_from *from, int x, int y, double view[3])
+{
+  double ray[3];
+  memcpy(view, from->view, sizeof from->view);
+  if (!from->camera)
+    return true;
+  if (hl_camera_unproject(NULL, from->camera, x, y, ray) != HL_OK)
+    return false;
+  for (int i = 0; i < 3; i++)
+    view[i] = -ray[i];
+  return true;
+}
+
+static void fill_from_map(const seen_from *from, const hl_frame *map, double min_cos_view,
                           hl_surface *out)
 {
   for (int y = 0; y < map->height; y++)
     for (int x = 0; x < map->width; x++) {
-      double n[3], ray[3], a[3], b[3];
-      if (!normal_at(map, x, y, n) || hl_camera_unproject(NULL, camera, x, y, ray) != HL_OK)
-        continue;
-      const double view[3] = {-ray[0], -ray[1], -ray[2]};
-      if (!(hl_dot(n, view) >= min_cos_view))
+      double n[3], view[3], a[3], b[3];
+      if (!normal_at(map, x, y, n) || !view_of(from, x, y, view) ||
+          !(hl_dot(n, view) >= min_cos_view))
         continue;
       change_along(map, x, y, 1, 0, n, a);
       change_along(map, x, y, 0, 1, n, b);
@@ -311,26 +330,57 @@ static void fill_from_map(const hl_camera *camera, const hl_frame *map, double m
     }
 }
 
-hl_status hl_surface_of_normals(hl_ctx *ctx, const hl_camera *camera, const hl_frame *normals,
-                                double min_cos_view, hl_surface *out)
+static hl_status surface_of_map(hl_ctx *ctx, const seen_from *from, const hl_frame *map,
+                                double min_cos_view, const char *frame, hl_surface *out)
 {
-  hl_status st = check_view_limit(ctx, min_cos_view);
-  if (st == HL_OK)
-    st = check_map(ctx, camera, normals);
   hl_surface surface;
-  if (st == HL_OK)
-    st = surface_new(ctx, camera, (size_t)normals->width * (size_t)normals->height, &surface);
+  hl_status st =
+      surface_new(ctx, map->width, map->height, (size_t)map->width * (size_t)map->height, &surface);
   if (st != HL_OK)
     return st;
-  fill_from_map(camera, normals, min_cos_view, &surface);
+  if (from->camera)
+    surface.camera = *from->camera;
+  fill_from_map(from, map, min_cos_view, &surface);
   if (surface.n == 0) {
     hl_surface_free(&surface);
     return hl_fail(ctx, HL_ERR_FORMAT,
-                   "no normal of the map faces the camera; n.v >= %.3g is needed (camera frame: x "
-                   "right, y down, z forward)",
-                   min_cos_view);
+                   "no normal of the map faces the %s; n.v >= %.3g is needed (%s)",
+                   from->camera ? "camera" : "viewer", min_cos_view, frame);
   }
   shrink(&surface);
   *out = surface;
   return HL_OK;
+}
+
+hl_status hl_surface_of_normals(hl_ctx *ctx, const hl_camera *camera, const hl_frame *normals,
+                                double min_cos_view, hl_surface *out)
+{
+  const seen_from from = {.camera = camera};
+  hl_status st = check_view_limit(ctx, min_cos_view);
+  if (st == HL_OK && (normals->width != camera->width || normals->height != camera->height))
+    st = hl_fail(ctx, HL_ERR_FORMAT, "normal map is %d x %d px; the camera's %d x %d is needed",
+                 normals->width, normals->height, camera->width, camera->height);
+  if (st == HL_OK)
+    st = check_map(ctx, normals);
+  if (st == HL_OK)
+    st = surface_of_map(ctx, &from, normals, min_cos_view,
+                        "camera frame: x right, y down, z forward", out);
+  return st;
+}
+
+hl_status hl_surface_of_parallel_view(hl_ctx *ctx, const hl_frame *normals, const double view[3],
+                                      double min_cos_view, hl_surface *out)
+{
+  seen_from from = {.camera = NULL};
+  char frame[80];
+  hl_unit(view, from.view);
+  snprintf(frame, sizeof frame, "the view is (%.4g, %.4g, %.4g)", view[0], view[1], view[2]);
+  hl_status st = check_view_limit(ctx, min_cos_view);
+  if (st == HL_OK && !(hl_norm(from.view) > 0.5))
+    st = hl_fail(ctx, HL_ERR_ARG, "%s; a direction is needed", frame);
+  if (st == HL_OK)
+    st = check_map(ctx, normals);
+  if (st == HL_OK)
+    st = surface_of_map(ctx, &from, normals, min_cos_view, frame, out);
+  return st;
 }

@@ -36,3 +36,12 @@ void hl_text_number(hl_text *text, double value, int digits)
   char number[HL_NUMBER_TEXT_MAX];
   hl_text_add(text, hl_number_text(value, digits, number));
 }
+
+void hl_text_exact(hl_text *text, const double *values, int n)
+{
+  char number[HL_NUMBER_TEXT_MAX];
+  for (int i = 0; i < n; i++) {
+    hl_text_add(text, i > 0 ? ", " : "");
+    hl_text_add(text, hl_number_text_exact(values[i], number));
+  }
+}

@@ -16,4 +16,7 @@ void hl_text_add(hl_text *text, const char *more);
 /* A number with `digits` significant digits and a decimal point. */
 void hl_text_number(hl_text *text, double value, int digits);
 
+/* Each as hl_number_text_exact has it, parted by ", ". */
+void hl_text_exact(hl_text *text, const double *values, int n);
+
 #endif

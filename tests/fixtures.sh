@@ -53,7 +53,7 @@ estimate()
 }
 
 for folder in "$fixtures"/*/; do
-  [ -f "$folder/truth.json" ] || continue
+  [ -f "$folder/sphere.json" ] || continue # a calibration session has none
   frame=$(echo "$folder"frame.*)
   if [ "$kinds" = pfm ] && [ "${frame##*.}" != pfm ]; then
     continue

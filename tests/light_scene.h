@@ -90,6 +90,8 @@ static inline lit_scene lit_glossy(void)
   return lit_ball(35);
 }
 
+/* A frame of the model's own values shows points where a ball's pixels show means: its surface is then
+ * one of given normals. */
 static inline hl_surface lit_surface(const lit_scene *s)
 {
   hl_surface out;
@@ -98,6 +100,7 @@ static inline hl_surface lit_surface(const lit_scene *s)
     print_error("%s\n", ctx.msg);
     abort();
   }
+  out.is_ball = s->across > 0;
   return out;
 }
 
@@ -196,7 +199,7 @@ static inline hl_status lit_status(const hl_frame *frame, const hl_surface *surf
   hl_light_work *work = NULL;
   if (hl_light_work_new(ctx, surface->n, frame->channels, &work) != HL_OK)
     abort();
-  const hl_status st = hl_light_estimate(ctx, work, frame, surface, NULL, settings, out);
+  const hl_status st = hl_light_estimate(ctx, work, frame, surface, settings, out);
   hl_light_work_free(work);
   return st;
 }

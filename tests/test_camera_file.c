@@ -1,151 +1,187 @@
-/* CAMERA.json as it should be, and every way it should not. */
-#include "files.h"
-#include "halflight/camera.h"
+/* Which format a camera file is in, and what is common to all. */
+#include "../src/camera_file.h"
+#include "camera_texts.h"
 
-#define HEAD "{\"format\":\"halflight-camera\",\"version\":1,\"model\":\"pinhole\","
-#define SIZE "\"width\":640,\"height\":480,"
-#define LENS "\"fx\":1400,\"fy\":1401.5,\"cx\":319.5,\"cy\":239.5,"
-#define NONE "\"distortion\":[-0.1,0.02,0.001,-0.002,0]"
+static void test_names(void **state)
+{
+  (void)state;
+  assert_string_equal(hl_camera_format_name(HL_CAMERA_JSON), "json");
+  assert_string_equal(hl_camera_format_name(HL_CAMERA_OPENCV), "opencv");
+  assert_string_equal(hl_camera_format_name(HL_CAMERA_KALIBR), "kalibr");
+  assert_string_equal(hl_camera_format_name(HL_CAMERA_MRCAL), "mrcal");
+  assert_null(hl_camera_format_name(4));
+  assert_null(hl_camera_format_name(-1));
+}
 
-static hl_status read_text(void **state, const char *text, hl_ctx *ctx, hl_camera *out)
+#define JSON                                                                                       \
+  "\"format\":\"halflight-camera\",\"version\":1,\"model\":\"pinhole\",\"width\":640,"             \
+  "\"height\":480,\"fx\":1400,\"fy\":1401,\"cx\":320,\"cy\":240,\"distortion\":[0,0,0,0,0]"
+#define MRCAL                                                                                      \
+  "'lensmodel':'LENSMODEL_PINHOLE','intrinsics':[1400,1401,320,240],'imagersize':[640,480]"
+#define OPENCV                                                                                     \
+  "image_width: 640, image_height: 480, "                                                          \
+  "camera_matrix: {rows: 3, cols: 3, data: [1400, 0, 320, 0, 1401, 240, 0, 0, 1]}, "               \
+  "distortion_coefficients: {rows: 1, cols: 4, data: [0, 0, 0, 0]}"
+#define KALIBR                                                                                     \
+  "cam0: {camera_model: pinhole, intrinsics: [1400, 1401, 320, 240], distortion_model: none, "     \
+  "resolution: [640, 480]}"
+
+static void test_told_apart_by_content(void **state)
+{
+  static const char *const texts[] = {
+      "{" JSON "}",
+      " \n\t{ \n" JSON "}\n",
+      "{" MRCAL "}",
+      "\n# a note\n # and more\n{\n" MRCAL "}",
+      "{# inside\n" MRCAL "}",
+      "{\"lensmodel\":\"LENSMODEL_PINHOLE\",\"intrinsics\":[1400,1401,320,240],\"imagersize\":[640,"
+      "480]}",
+      "# a note\n{\"lensmodel\":\"LENSMODEL_PINHOLE\",'intrinsics':[1400,1401,320,240],"
+      "'imagersize':[640,480]}",
+      "---\n{" OPENCV "}\n",
+      "%YAML 1.2\n---\n{" OPENCV "}\n",
+      "--- {" KALIBR "}\n",
+      "# a note\n" KALIBR "\n",
+      KALIBR,
+  };
+  for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+    const hl_camera c = camera_of_text(state, texts[i]);
+    assert_near(c.fx, 1400, 0);
+    assert_near(c.cy, 240, 0);
+    assert_int_equal(c.height, 480);
+    assert_int_equal(c.n_distortion, 5);
+  }
+}
+
+static void test_what_is_none_of_them(void **state)
+{
+  camera_text_refused(state, "fx = 400", "no camera is known in it: not JSON, no camera_matrix");
+  camera_text_refused(state, "fx: 400\nfy: 400\n", "no camera is known in it");
+  camera_text_refused(state, "camera: {}\ncamx: 3\ncam: 1\n", "no camera is known in it");
+  camera_text_refused(state, "\x89PNG\r\n\x1a\n", "neither JSON nor YAML");
+  camera_text_refused(state, "[1, 2]", "not a JSON object; one of format 'halflight-camera'");
+  camera_text_refused(state, "{\"a\": 1}", "format is missing");
+  camera_text_refused(state, "{\"a\": 1,", "line 1: not JSON");
+  camera_text_refused(state, "{", "line 1: not JSON");
+  camera_text_refused(state, "{'a': 1}", "lensmodel is missing");
+  camera_text_refused(state, "#", "nothing is in it");
+  camera_text_refused(state, "\xef\xbb\xbf{" JSON "}", "no camera is known in it: not JSON");
+}
+
+/* Every format says the same of a lens that is none. */
+static void test_check_follows_whatever_the_format(void **state)
+{
+  camera_text_refused(state,
+                      "{'lensmodel':'LENSMODEL_OPENCV4','intrinsics':[1400,1400,320,240,400,0,0,"
+                      "0],'imagersize':[640,480]}",
+                      "distortion = [400, 0, ...] stretches the image");
+  camera_text_refused(state,
+                      "cam0: {camera_model: pinhole, intrinsics: [1400, 1401, 320, 240], "
+                      "distortion_model: radtan, distortion_coeffs: [400, 0, 0, 0], "
+                      "resolution: [640, 480]}",
+                      "cam0: distortion = [400, 0, ...] stretches the image");
+}
+
+static void test_large_files(void **state)
 {
   char path[TEST_PATH_MAX];
-  path_in(state, "camera.json", path);
-  put_text(path, text);
-  return hl_camera_read(ctx, path, out);
-}
-
-static void test_read_what_is_needed(void **state)
-{
-  hl_camera c;
-  hl_ctx ctx = {0};
-  assert_int_equal(read_text(state, HEAD SIZE LENS NONE "}", &ctx, &c), HL_OK);
-  assert_int_equal(c.model, HL_LENS_PINHOLE);
-  assert_int_equal(c.width, 640);
-  assert_int_equal(c.height, 480);
-  assert_near(c.fx, 1400, 0);
-  assert_near(c.fy, 1401.5, 0);
-  assert_near(c.cx, 319.5, 0);
-  assert_near(c.cy, 239.5, 0);
-  assert_int_equal(c.n_distortion, 5);
-  assert_near(c.distortion[0], -0.1, 0);
-  assert_near(c.distortion[3], -0.002, 0);
-  assert_false(c.has_covariance);
-  assert_near(c.rms_px, 0, 0);
-  assert_int_equal(c.observations, 0);
-}
-
-/* 9 x 9, diagonal 1..9 with one correlated pair (0, 2). */
-static void covariance_text(char *text, size_t room, double pair, double mirrored)
-{
-  size_t n = (size_t)snprintf(text, room, HEAD SIZE LENS NONE ",\"covariance\":[");
-  for (int i = 0; i < 9; i++)
-    for (int k = 0; k < 9; k++) {
-      const double value = i == k             ? i + 1
-                           : i == 0 && k == 2 ? pair
-                           : i == 2 && k == 0 ? mirrored
-                                              : 0;
-      n += (size_t)snprintf(text + n, room - n, "%s%g%s", k == 0 ? (i == 0 ? "[" : ",[") : ",",
-                            value, k == 8 ? "]" : "");
-    }
-  snprintf(text + n, room - n, "],\"rms_px\":0.25,\"observations\":1200,\"made_by\":\"a test\"}");
-}
-
-static void test_read_what_is_optional(void **state)
-{
-  char text[2048];
-  covariance_text(text, sizeof text, 0.5, 0.5);
-  hl_camera c;
-  assert_int_equal(read_text(state, text, NULL, &c), HL_OK);
-  assert_true(c.has_covariance);
-  assert_near(c.covariance[0], 1, 0);
-  assert_near(c.covariance[2], 0.5, 0);
-  assert_near(c.covariance[18], 0.5, 0);
-  assert_near(c.covariance[80], 9, 0);
-  assert_near(c.rms_px, 0.25, 0);
-  assert_int_equal(c.observations, 1200);
-}
-
-static void test_read_takes_null_for_absent(void **state)
-{
-  hl_camera c;
-  assert_int_equal(read_text(state,
-                             HEAD SIZE LENS NONE
-                             ",\"covariance\":null,\"rms_px\":null,\"observations\":null}",
-                             NULL, &c),
-                   HL_OK);
-  assert_false(c.has_covariance);
-}
-
-static void refused(void **state, const char *text, const char *part)
-{
+  path_in(state, "camera", path);
+  enum { LARGE = (16 << 20) + 100 };
+  char *bytes = malloc(LARGE);
+  assert_non_null(bytes);
+  memset(bytes, ' ', LARGE);
+  bytes[0] = 'a';
+  bytes[1] = ':';
+  put_file(path, bytes, LARGE);
+  free(bytes);
   hl_ctx ctx = {0};
   hl_camera c;
-  hl_camera before;
-  memset(&c, 0x5a, sizeof c);
-  before = c;
-  assert_int_equal(read_text(state, text, &ctx, &c), HL_ERR_FORMAT);
-  assert_says(ctx.msg, part);
-  assert_says(ctx.msg, "camera.json: ");
-  assert_memory_equal(&c, &before, sizeof c);
+  assert_int_equal(hl_camera_read(&ctx, path, &c), HL_ERR_FORMAT);
+  assert_says(ctx.msg, "over 16777216 bytes, the largest YAML accepted");
+  assert_int_equal(truncate(path, (64 << 20) + 1), 0);
+  assert_int_equal(hl_camera_read(&ctx, path, &c), HL_ERR_FORMAT);
+  assert_says(ctx.msg, "over 67108864 bytes, the largest accepted");
 }
 
-static void test_read_refuses_what_is_no_covariance(void **state)
-{
-  char text[2048];
-  covariance_text(text, sizeof text, 0.5, 0.4);
-  refused(state, text, "covariance is no covariance; a symmetric 9 x 9 matrix");
-  covariance_text(text, sizeof text, 1.8, 1.8); /* > sqrt(1 * 3) */
-  refused(state, text, "covariance is no covariance");
-  refused(state, HEAD SIZE LENS NONE ",\"covariance\":[1,2]}",
-          "covariance = [1,2]; 9 rows of 9 numbers is needed");
-}
-
-static void test_read_refuses_members(void **state)
-{
-  refused(state, HEAD SIZE "\"fx\":0,\"fy\":1,\"cx\":1,\"cy\":1," NONE "}",
-          "fx = 0; a number in [0.64, 1e+07] is needed");
-  refused(state, HEAD SIZE "\"fx\":NaN,\"fy\":1,\"cx\":1,\"cy\":1," NONE "}", "NaN is not JSON");
-  refused(state, HEAD SIZE "\"fx\":1400,\"fy\":1400,\"cx\":null,\"cy\":1," NONE "}",
-          "cx = null; a number in [-640, 1280] is needed");
-  refused(state, HEAD SIZE "\"fx\":1400,\"fy\":1400,\"cy\":1," NONE "}", "cx is missing");
-  refused(state, HEAD "\"width\":\"640\",\"height\":480," LENS NONE "}",
-          "width = \"640\"; a whole number in [2, 65536] is needed");
-  refused(state, HEAD "\"width\":640.5,\"height\":480," LENS NONE "}", "width = 640.5");
-  refused(state, HEAD "\"width\":1e99,\"height\":480," LENS NONE "}",
-          "width = 1e99; a whole number");
-  refused(state, HEAD SIZE LENS "\"distortion\":[1,2,3,4]}",
-          "distortion = [1,2,3,4]; an array of 5 numbers is needed");
-  refused(state, HEAD SIZE LENS "\"distortion\":[0,0,\"0\",0,0]}",
-          "distortion[2] = \"0\"; a finite number is needed");
-  refused(state, HEAD SIZE LENS "\"distortion\":[400,0,0,0,0]}", "distortion = [400, 0, ...]");
-  refused(state, HEAD SIZE LENS NONE ",\"rms_px\":-1}", "rms_px = -1");
-  refused(state, HEAD SIZE LENS NONE ",\"observations\":1.5}", "observations = 1.5");
-  refused(state, "{\"format\":\"halflight-camera\",\"version\":1,\"model\":\"pinhol\"}",
-          "model = 'pinhol' is none of: pinhole");
-  refused(state, "{\"format\":\"halflight-camera\",\"version\":1,\"model\":3}",
-          "model = 3; a text is needed");
-}
-
-static void test_read_says_which_file_is_missing(void **state)
+static void test_missing_file(void **state)
 {
   char path[TEST_PATH_MAX];
-  path_in(state, "nowhere.json", path);
+  path_in(state, "nowhere.yml", path);
   hl_ctx ctx = {0};
   hl_camera c;
   assert_int_equal(hl_camera_read(&ctx, path, &c), HL_ERR_IO);
-  assert_says(ctx.msg, "nowhere.json: cannot open: ");
+  assert_says(ctx.msg, "nowhere.yml: cannot open: ");
+}
+
+/* Those who read more of a CAMERA.json get its document, of others none. */
+static void test_document(void **state)
+{
+  char path[TEST_PATH_MAX];
+  path_in(state, "camera", path);
+  hl_camera c;
+  json_t *document = NULL;
+  put_text(path, "{" JSON ",\"views\":[1,2,3]}");
+  assert_int_equal(hl_camera_file_read(NULL, path, &c, &document), HL_OK);
+  assert_int_equal(json_array_size(json_object_get(document, "views")), 3);
+  json_decref(document);
+  document = (json_t *)path;
+  put_text(path, KALIBR);
+  assert_int_equal(hl_camera_file_read(NULL, path, &c, &document), HL_OK);
+  assert_null(document);
+  document = (json_t *)path;
+  put_text(path, "{" JSON);
+  assert_int_equal(hl_camera_file_read(NULL, path, &c, &document), HL_ERR_FORMAT);
+  assert_ptr_equal(document, path);
+}
+
+static void test_lost_parts(void **state)
+{
+  (void)state;
+  hl_camera c = camera_samples[SAMPLE_PINHOLE];
+  for (int f = 0; hl_camera_format_name(f); f++)
+    assert_int_equal(hl_camera_lost(&c, (hl_camera_format)f), 0);
+  c.has_covariance = true;
+  c.rms_px = 0.2;
+  c.observations = 1000;
+  assert_int_equal(hl_camera_lost(&c, HL_CAMERA_JSON), 0);
+  assert_int_equal(hl_camera_lost(&c, HL_CAMERA_OPENCV),
+                   HL_CAMERA_COVARIANCE | HL_CAMERA_OBSERVATIONS);
+  assert_int_equal(hl_camera_lost(&c, HL_CAMERA_KALIBR),
+                   HL_CAMERA_COVARIANCE | HL_CAMERA_RMS | HL_CAMERA_OBSERVATIONS);
+  assert_int_equal(hl_camera_lost(&c, HL_CAMERA_MRCAL),
+                   HL_CAMERA_COVARIANCE | HL_CAMERA_RMS | HL_CAMERA_OBSERVATIONS);
+}
+
+static void test_text_is_refused(void **state)
+{
+  (void)state;
+  hl_camera c = camera_samples[SAMPLE_PINHOLE];
+  char *text = NULL;
+  hl_ctx ctx = {0};
+  assert_int_equal(hl_camera_text(&ctx, &c, (hl_camera_format)4, &text), HL_ERR_ARG);
+  assert_says(ctx.msg, "format = 4");
+  for (int f = 0; hl_camera_format_name(f); f++) {
+    c.fx = NAN;
+    camera_not_written(&c, (hl_camera_format)f, "fx = nan px is outside");
+    c = camera_samples[SAMPLE_PINHOLE];
+    c.distortion[1] = -70;
+    camera_not_written(&c, (hl_camera_format)f, "folds");
+  }
+  assert_null(text);
 }
 
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_read_what_is_needed),
-      cmocka_unit_test(test_read_what_is_optional),
-      cmocka_unit_test(test_read_takes_null_for_absent),
-      cmocka_unit_test(test_read_refuses_what_is_no_covariance),
-      cmocka_unit_test(test_read_refuses_members),
-      cmocka_unit_test(test_read_says_which_file_is_missing),
+      cmocka_unit_test(test_names),
+      cmocka_unit_test(test_told_apart_by_content),
+      cmocka_unit_test(test_what_is_none_of_them),
+      cmocka_unit_test(test_check_follows_whatever_the_format),
+      cmocka_unit_test(test_large_files),
+      cmocka_unit_test(test_missing_file),
+      cmocka_unit_test(test_document),
+      cmocka_unit_test(test_lost_parts),
+      cmocka_unit_test(test_text_is_refused),
   };
   return cmocka_run_group_tests(tests, folder_new, folder_free);
 }

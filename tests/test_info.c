@@ -25,16 +25,18 @@ static void test_version_has_three_numbers(void **state)
 static void test_features_are_described(void **state)
 {
   (void)state;
-  const char *const names[] = {"jansson", "OpenMP", "OpenCV", "AprilTag", "libcamera"};
-  for (int i = 0; i < 5; i++) {
+  const char *const names[] = {"jansson", "libyaml",  "cminpack", "OpenMP",
+                               "OpenCV",  "AprilTag", "assimp",   "libcamera"};
+  for (int i = 0; i < 8; i++) {
     const hl_feature *f = feature(names[i]);
     assert_non_null(f);
     assert_true(f->gives[0] && f->option);
   }
-  assert_string_equal(feature("AprilTag")->gives, "calibration targets; used by no verb yet");
+  assert_string_equal(feature("AprilTag")->option, "-DHL_WITH_APRILTAG=ON");
   assert_string_equal(feature("libcamera")->gives, "capture; used by no verb yet");
   assert_string_equal(feature("OpenCV")->option, "-DHL_WITH_OPENCV=ON");
   assert_non_null(feature("jansson")->version);
+  assert_non_null(feature("libyaml")->version);
 }
 
 static void test_versions_follow_the_build(void **state)

@@ -187,8 +187,7 @@ static void test_fitted_pixels_and_counts(void **state)
   hl_light_work *work = NULL;
   hl_light light;
   assert_int_equal(hl_light_work_new(NULL, one.surface.n, 1, &work), HL_OK);
-  assert_int_equal(hl_light_estimate(NULL, work, &one.frame, &one.surface, NULL, NULL, &light),
-                   HL_OK);
+  assert_int_equal(hl_light_estimate(NULL, work, &one.frame, &one.surface, NULL, &light), HL_OK);
   hl_light_fitted(work, &predicted, &measured, &weight);
   hl_light_fitted(work, NULL, NULL, NULL);
   assert_int_equal(light.n_pixels, one.surface.n - dropped);

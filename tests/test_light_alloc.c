@@ -63,21 +63,23 @@ static void start_counting(void)
 }
 #endif
 
-static int allocations_of(const lit_scene *s, bool pose)
+static int allocations_of(const lit_scene *s, bool uncertain)
 {
   hl_surface surface = lit_surface(s);
   hl_frame frame = lit_frame(s, &surface, NULL);
-  hl_sphere ball = s->ball;
-  ball.has_covariance = true;
+  surface.is_ball = true;
+  surface.ball.has_covariance = surface.camera.has_covariance = uncertain;
   for (int i = 0; i < 3; i++)
-    ball.covariance_m2[i][i] = 1e-10;
+    surface.ball.covariance_m2[i][i] = 1e-10;
+  const int n = hl_camera_intrinsics_count(&surface.camera);
+  for (int i = 0; i < n; i++)
+    surface.camera.covariance[i * n + i] = 1e-6;
   hl_light_work *work = NULL;
   hl_light light;
   hl_ctx ctx = {0};
   assert_int_equal(hl_light_work_new(&ctx, surface.n, s->channels, &work), HL_OK);
   start_counting();
-  const hl_status st =
-      hl_light_estimate(&ctx, work, &frame, &surface, pose ? &ball : NULL, NULL, &light);
+  const hl_status st = hl_light_estimate(&ctx, work, &frame, &surface, NULL, &light);
   const int counted = allocations;
   assert_int_equal(st, HL_OK);
   hl_light_work_free(work);

@@ -37,6 +37,8 @@ static hl_light sample(void)
                 .tangent_basis = {{2.0 / 3, 2.0 / 3, -1.0 / 3}, {2.0 / 3, -1.0 / 3, 2.0 / 3}},
                 .covariance_rad2 = {{1e-9 / 3, 1e-10 / 7}, {1e-10 / 7, 1e-9 / 9}},
                 .ellipse_95_rad = {PI / 1800, PI / 18000},
+                .part_stated = {true, true, false, true},
+                .part_95_rad = {{PI / 3600, PI / 36000}, {0, 0}, {1, 1}, {PI / 900, PI / 1800}},
                 .color = {1, 0.9, 0.1},
                 .lobe = HL_LOBE_FORESHORTENED,
                 .half_angle_direction = {0.6, 0, -0.8},
@@ -151,6 +153,15 @@ static void test_light_survives_text(void **state)
   /* analytic: pi/1800 is a tenth of a degree */
   assert_near(number_at(json_object_get(one, "ellipse_95_deg"), 0), 0.1, 1e-16);
   assert_near(number_at(json_object_get(one, "ellipse_95_deg"), 1), 0.01, 1e-17);
+  const json_t *parts = json_object_get(one, "ellipse_parts_deg");
+  assert_int_equal(json_object_size(parts), 4);
+  assert_near(number_at(json_object_get(parts, "noise"), 0), 0.05, 1e-16);
+  assert_near(number_at(json_object_get(parts, "noise"), 1), 0.005, 1e-17);
+  assert_near(number_at(json_object_get(parts, "model"), 0), 0, 0);
+  assert_near(number_at(json_object_get(parts, "camera"), 0), 0.2, 1e-16);
+  assert_near(number_at(json_object_get(parts, "camera"), 1), 0.1, 1e-16);
+  /* nothing is known of it, which is not the same as nothing */
+  assert_true(json_is_null(json_object_get(parts, "pose")));
   assert_true(json_is_null(json_object_get(one, "position_m")));
   assert_true(json_is_null(json_object_get(d, "timing_ms")));
   json_decref(d);

@@ -1,6 +1,7 @@
 /* Verdicts: each has its words, and the words fit the frame. */
 #include "../src/light_work.h"
 #include "files.h"
+#include "halflight/notes.h"
 #include "light_scene.h"
 
 static const hl_note *note_of(const hl_notes *notes, const char *what)
@@ -50,33 +51,6 @@ static hl_light noisy(lit_scene *s)
   hl_surface_free(&surface);
   assert_sound(&out);
   return out;
-}
-
-static void test_notes_fill_up_and_no_further(void **state)
-{
-  (void)state;
-  hl_notes notes = {0};
-  char want[40];
-  for (int i = 0; i < HL_NOTES_MAX + 3; i++)
-    hl_notes_add(&notes, "term", "number %d", i);
-  assert_int_equal(notes.n, HL_NOTES_MAX);
-  for (int i = 0; i < HL_NOTES_MAX; i++) {
-    snprintf(want, sizeof want, "number %d", i);
-    assert_string_equal(notes.note[i].what, "term");
-    assert_string_equal(notes.note[i].why, want);
-  }
-}
-
-static void test_long_words_are_cut_within_bounds(void **state)
-{
-  (void)state;
-  hl_notes notes = {0};
-  char longest[2 * HL_NOTE_TEXT_MAX];
-  memset(longest, 'x', sizeof longest);
-  longest[sizeof longest - 1] = '\0';
-  hl_notes_add(&notes, longest, "%s", longest);
-  assert_int_equal(strlen(notes.note[0].what), sizeof notes.note[0].what - 1);
-  assert_int_equal(strlen(notes.note[0].why), sizeof notes.note[0].why - 1);
 }
 
 static void test_glossy_under_oblique_light_is_unique(void **state)
@@ -183,6 +157,31 @@ static void test_the_lobe_that_was_asked_for(void **state)
   assert_noted(&light.left_out, "plain lobe", "not asked for");
 }
 
+/* What is known of the geometry's uncertainty, and whether the ball follows the camera. */
+static void test_uncertain_geometry_is_said(void **state)
+{
+  (void)state;
+  lit_scene s = lit_glossy();
+  s.across = 2;
+  hl_light light = noisy(&s);
+  assert_noted(&light.left_out, "pose uncertainty", "without a covariance");
+  assert_noted(&light.left_out, "camera uncertainty", "states none");
+  s.ball.has_covariance = true;
+  s.ball.covariance_m2[2][2] = 1e-10;
+  light = noisy(&s);
+  assert_noted(&light.used, "pose uncertainty", "part of the ellipse");
+  s.camera.has_covariance = true;
+  s.camera.covariance[0] = 0.01;
+  light = noisy(&s);
+  assert_noted(&light.used, "camera uncertainty", "does not say how it depends on the camera");
+  s.ball.n_intrinsics = 4;
+  light = noisy(&s);
+  assert_noted(&light.used, "camera uncertainty", "found through it");
+  s.ball.n_intrinsics = 9;
+  light = noisy(&s);
+  assert_noted(&light.used, "camera uncertainty", "a camera of 9 intrinsics, this one has 4");
+}
+
 /* A ball half painted: one material under one light does not explain it. */
 static void test_what_the_model_does_not_explain_is_a_reason(void **state)
 {
@@ -205,11 +204,10 @@ static void test_what_the_model_does_not_explain_is_a_reason(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_notes_fill_up_and_no_further),
-      cmocka_unit_test(test_long_words_are_cut_within_bounds),
       cmocka_unit_test(test_glossy_under_oblique_light_is_unique),
       cmocka_unit_test(test_light_at_the_view_is_said_to_be_ambiguous),
       cmocka_unit_test(test_a_matte_ball_is_said_to_be_matte),
+      cmocka_unit_test(test_uncertain_geometry_is_said),
       cmocka_unit_test(test_a_mirror_without_a_body_is_one_curve),
       cmocka_unit_test(test_clipping_is_said),
       cmocka_unit_test(test_too_much_clipping_is_a_reason),

@@ -58,19 +58,16 @@ static void test_sizes_that_do_not_belong_together(void **state)
   memset(&before, 0x5a, sizeof before);
   hl_ctx ctx = {0};
   assert_int_equal(hl_light_work_new(NULL, one.surface.n - 1, 1, &work), HL_OK);
-  assert_int_equal(hl_light_estimate(&ctx, work, &one.frame, &one.surface, NULL, NULL, &out),
-                   HL_ERR_ARG);
+  assert_int_equal(hl_light_estimate(&ctx, work, &one.frame, &one.surface, NULL, &out), HL_ERR_ARG);
   assert_says(ctx.msg, "surface has");
   hl_light_work_free(work);
   assert_int_equal(hl_light_work_new(NULL, one.surface.n, 3, &work), HL_OK);
-  assert_int_equal(hl_light_estimate(&ctx, work, &one.frame, &one.surface, NULL, NULL, &out),
-                   HL_ERR_ARG);
+  assert_int_equal(hl_light_estimate(&ctx, work, &one.frame, &one.surface, NULL, &out), HL_ERR_ARG);
   assert_says(ctx.msg, "channel");
   hl_light_work_free(work);
   assert_int_equal(hl_light_work_new(NULL, one.surface.n, 1, &work), HL_OK);
   one.frame.height--;
-  assert_int_equal(hl_light_estimate(&ctx, work, &one.frame, &one.surface, NULL, NULL, &out),
-                   HL_ERR_ARG);
+  assert_int_equal(hl_light_estimate(&ctx, work, &one.frame, &one.surface, NULL, &out), HL_ERR_ARG);
   assert_says(ctx.msg, "144 x 143");
   assert_memory_equal(&out, &before, sizeof out);
   hl_light_work_free(work);

@@ -50,6 +50,68 @@ static void test_write_then_read(void **state)
   }
 }
 
+/* A pose found through an uncertain camera. */
+static hl_sphere following(void)
+{
+  hl_sphere s = {.center_m = {0.1 / 3, -1.0 / 7, 2.0 / 3},
+                 .radius_m = 0.1 / 7,
+                 .has_covariance = true,
+                 .n_intrinsics = 9,
+                 .covariance_m2 = {{1e-11, 1e-13, 0}, {1e-13, 2e-11, 0}, {0, 0, 3e-9}},
+                 .held_covariance_m2 = {{1e-12 / 3, 1e-13, 0}, {1e-13, 2e-12, 0}, {0, 0, 3e-10}}};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 9; j++)
+      s.by_intrinsics[i][j] = 1e-4 * (i + 1) / (j + 3);
+  return s;
+}
+
+static void test_camera_share_there_and_back(void **state)
+{
+  char path[TEST_PATH_MAX];
+  path_in(state, "out.json", path);
+  const hl_sphere s = following();
+  hl_sphere back;
+  assert_int_equal(hl_sphere_write(NULL, path, &s, NULL), HL_OK);
+  assert_int_equal(hl_sphere_read(NULL, path, &back), HL_OK);
+  assert_int_equal(back.n_intrinsics, 9);
+  for (int i = 0; i < 3; i++) {
+    for (int k = 0; k < 3; k++)
+      assert_near(back.held_covariance_m2[i][k], s.held_covariance_m2[i][k], 0);
+    for (int j = 0; j < 9; j++)
+      assert_near(back.by_intrinsics[i][j], s.by_intrinsics[i][j], 0);
+  }
+}
+
+static void wrong_share(hl_sphere s, const char *part)
+{
+  hl_ctx ctx = {0};
+  assert_int_equal(hl_sphere_check(&ctx, &s), HL_ERR_FORMAT);
+  assert_says(ctx.msg, part);
+}
+
+static void test_check_refuses_a_wrong_camera_share(void **state)
+{
+  (void)state;
+  hl_sphere s = following();
+  assert_int_equal(hl_sphere_check(NULL, &s), HL_OK);
+  s.n_intrinsics = 3;
+  wrong_share(s, "by_intrinsics has 3 columns; 4 to 12 are needed");
+  s.n_intrinsics = 13;
+  wrong_share(s, "by_intrinsics has 13 columns");
+  s = following();
+  s.by_intrinsics[2][8] = NAN;
+  wrong_share(s, "by_intrinsics[2][8] = nan");
+  s = following();
+  s.has_covariance = false;
+  wrong_share(s, "covariance is missing beside by_intrinsics");
+  s = following();
+  s.held_covariance_m2[2][2] = -1e-12;
+  wrong_share(s, "covariance_camera_held is no part of covariance");
+  s = following();
+  s.held_covariance_m2[1][1] = 2.1e-11; /* more than the whole */
+  wrong_share(s, "covariance_camera_held is no part of covariance");
+}
+
 static void refused(void **state, const char *text, const char *part)
 {
   hl_ctx ctx = {0};
@@ -76,6 +138,16 @@ static void test_read_refuses(void **state)
           "covariance is no covariance");
   refused(state, HEAD "\"center_m\":[0,0,1],\"radius_m\":0.1,\"covariance\":[[1,0],[0,1]]}",
           "3 rows of 3 numbers");
+#define WHOLE                                                                                      \
+  HEAD "\"center_m\":[0,0,1],\"radius_m\":0.1,\"covariance\":[[1e-6,0,0],[0,1e-6,0],[0,0,1e-6]],"
+#define HELD "\"covariance_camera_held\":[[1e-7,0,0],[0,1e-7,0],[0,0,1e-7]]"
+  refused(state, WHOLE HELD "}", "by_intrinsics");
+  refused(state, WHOLE "\"by_intrinsics\":[[0,0,0,0],[0,0,0,0],[0,0,0,0]]}",
+          "covariance_camera_held");
+  refused(state, WHOLE HELD ",\"by_intrinsics\":[[0,0,0,0],[0,0,0,0,0],[0,0,0,0]]}",
+          "by_intrinsics[1]");
+  refused(state, WHOLE HELD ",\"by_intrinsics\":[[0,0,0],[0,0,0],[0,0,0]]}", "by_intrinsics[0]");
+  refused(state, WHOLE HELD ",\"by_intrinsics\":7}", "by_intrinsics");
   refused(state, "{\"format\":\"halflight-camera\",\"version\":1}",
           "format = 'halflight-camera'; 'halflight-sphere' is needed");
 }
@@ -123,6 +195,8 @@ int main(void)
       cmocka_unit_test(test_read),
       cmocka_unit_test(test_write_then_read),
       cmocka_unit_test(test_text),
+      cmocka_unit_test(test_camera_share_there_and_back),
+      cmocka_unit_test(test_check_refuses_a_wrong_camera_share),
       cmocka_unit_test(test_read_refuses),
       cmocka_unit_test(test_check_refuses_what_is_no_number),
       cmocka_unit_test(test_write_refuses_a_wrong_sphere),

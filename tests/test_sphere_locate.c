@@ -45,6 +45,81 @@ static void test_backgrounds(void **state)
   render_and_find(&s, 0.04, 0.04);
 }
 
+/* Cameras whose lens bends the same ball's outline in its own way; the last sees 85 deg from the axis
+ * in its corners. */
+static const hl_camera lenses[] = {
+    {.model = HL_LENS_PINHOLE,
+     .width = 240,
+     .height = 200,
+     .fx = 240,
+     .fy = 236,
+     .cx = 118.2,
+     .cy = 101.3,
+     .n_distortion = 5,
+     .distortion = {-0.25, 0.08, 0.001, -0.0008, 0.002}},
+    {.model = HL_LENS_RATIONAL,
+     .width = 240,
+     .height = 200,
+     .fx = 240,
+     .fy = 236,
+     .cx = 118.2,
+     .cy = 101.3,
+     .n_distortion = 8,
+     .distortion = {2.1, 0.9, -0.0005, 0.0008, 0.03, 2.4, 1.5, 0.2}},
+    {.model = HL_LENS_FISHEYE,
+     .width = 240,
+     .height = 200,
+     .fx = 240,
+     .fy = 236,
+     .cx = 118.2,
+     .cy = 101.3,
+     .n_distortion = 4,
+     .distortion = {0.05, -0.02, 0.006, -0.001}},
+    {.model = HL_LENS_FISHEYE,
+     .width = 400,
+     .height = 300,
+     .fx = 165,
+     .fy = 165,
+     .cx = 201.2,
+     .cy = 148.4,
+     .n_distortion = 4,
+     .distortion = {0.02, -0.01, 0.002, -0.0005}},
+};
+
+enum { N_LENSES = sizeof lenses / sizeof lenses[0] };
+
+/* The ball stays where it is; 0.04 px are about 40 um there. */
+static void test_every_lens_finds_the_same_ball(void **state)
+{
+  (void)state;
+  static const double centers[][3] = {{0.004, -0.006, 0.13}, {0.045, 0.03, 0.16}};
+  for (int i = 0; i < 2; i++)
+    for (int l = 0; l < N_LENSES; l++) {
+      ball_scene s = scene_of(120, 100, 50);
+      s.camera = lenses[l];
+      memcpy(s.ball.center_m, centers[i], sizeof centers[i]);
+      render_and_find(&s, 0.04, 0.04);
+    }
+}
+
+/* Out to 70 deg from the axis, where the outline is no ellipse. */
+static void test_fisheye_finds_a_ball_far_off_its_axis(void **state)
+{
+  (void)state;
+  static const double angles_deg[] = {15, 40, 55, 70}, azimuths[] = {0.55, 2.5};
+  for (int i = 0; i < 4; i++)
+    for (int side = 0; side < 2; side++) {
+      ball_scene s = scene_of(120, 100, 50);
+      s.camera = lenses[N_LENSES - 1];
+      s.background = 0.05;
+      const double t = angles_deg[i] * 3.14159265358979323846 / 180;
+      s.ball.center_m[0] = 0.14 * sin(t) * cos(azimuths[side]);
+      s.ball.center_m[1] = 0.14 * sin(t) * sin(azimuths[side]);
+      s.ball.center_m[2] = 0.14 * cos(t);
+      render_and_find(&s, 0.06, 0.06);
+    }
+}
+
 static void test_part_of_the_rim_unlit_on_black(void **state)
 {
   (void)state;
@@ -352,6 +427,8 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_backgrounds),
+      cmocka_unit_test(test_every_lens_finds_the_same_ball),
+      cmocka_unit_test(test_fisheye_finds_a_ball_far_off_its_axis),
       cmocka_unit_test(test_part_of_the_rim_unlit_on_black),
       cmocka_unit_test(test_cut_by_the_frame),
       cmocka_unit_test(test_three_channels_and_scale),

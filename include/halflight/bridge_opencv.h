@@ -25,6 +25,10 @@ typedef struct hl_codes {
 hl_status hl_opencv_decode(hl_ctx *ctx, const char *path, const char *kind,
                            const unsigned char *bytes, size_t n, hl_codes *out);
 
+/** OpenCV's settings for the process, once: no text anywhere, EXR on. Every bridge calls it first; it
+ * is not there in a build without OpenCV. */
+void hl_opencv_prepare(void);
+
 /** Of the library found at run time; NULL in a build without it. */
 const char *hl_opencv_version(void);
 

@@ -8,14 +8,27 @@
 #ifndef HALFLIGHT_HALFLIGHT_H
 #define HALFLIGHT_HALFLIGHT_H
 
+#include "halflight/brdf.h"
+#include "halflight/calibration.h"
 #include "halflight/camera.h"
+#include "halflight/corners.h"
+#include "halflight/drift.h"
 #include "halflight/export.h"
+#include "halflight/fit.h"
 #include "halflight/frame.h"
 #include "halflight/info.h"
 #include "halflight/light.h"
+#include "halflight/merl.h"
+#include "halflight/merl_ball.h"
+#include "halflight/parametric.h"
+#include "halflight/pose.h"
+#include "halflight/reflectance.h"
+#include "halflight/relight.h"
+#include "halflight/samples.h"
 #include "halflight/settings.h"
 #include "halflight/sphere.h"
 #include "halflight/status.h"
 #include "halflight/surface.h"
+#include "halflight/target.h"
 
 #endif

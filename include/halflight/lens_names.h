@@ -1,13 +1,13 @@
-/** Internal, not installed: how camera files spell the lens models. */
+/** Internal, not installed: what camera files need to know of the lens models (hl_lens_name is
+ * public). */
 #ifndef HALFLIGHT_LENS_NAMES_H
 #define HALFLIGHT_LENS_NAMES_H
+
+#include "halflight/camera.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** Name of an hl_lens_model; NULL past the last. */
-const char *hl_lens_name(int model);
 
 /** How many distortion coefficients it has; 0 past the last. */
 int hl_lens_coefficients(int model);

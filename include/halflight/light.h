@@ -18,6 +18,15 @@
 extern "C" {
 #endif
 
+/** What the uncertainty of a direction comes from. */
+typedef enum hl_light_part {
+  HL_PART_NOISE,  /* of the pixels */
+  HL_PART_MODEL,  /* what the model does not describe */
+  HL_PART_POSE,   /* of the ball, the camera held */
+  HL_PART_CAMERA, /* its intrinsics, the ball's pose moving along where it was found through them */
+  HL_PARTS
+} hl_light_part;
+
 enum { HL_CHANNELS_MAX = 3, HL_CURVE_POINTS = 121, HL_NOTES_MAX = 12, HL_NOTE_TEXT_MAX = 160 };
 
 typedef enum hl_lobe { HL_LOBE_AUTO, HL_LOBE_PLAIN, HL_LOBE_FORESHORTENED } hl_lobe;
@@ -64,8 +73,11 @@ typedef struct hl_light {
   double direction[3];        /* unit, surface to light, camera frame */
   double tangent_basis[2][3]; /* unit, orthogonal to direction */
   double covariance_rad2[2][2];
-  double ellipse_95_rad[2]; /* half axes, major first */
-  double color[3];          /* relative radiance, largest 1 */
+  double ellipse_95_rad[2];   /* half axes, major first */
+  bool part_stated[HL_PARTS]; /* false: nothing is known of this part, and it counts as none */
+  double part_rad2[HL_PARTS][2][2]; /* covariance_rad2 is their sum */
+  double part_95_rad[HL_PARTS][2];  /* half axes of the ellipse of each part alone */
+  double color[3];                  /* relative radiance, largest 1 */
 
   hl_lobe lobe;                   /* the one kept; HL_LOBE_AUTO where there is no lobe */
   double half_angle_direction[3]; /* h for the mean view */
@@ -73,6 +85,8 @@ typedef struct hl_light {
   double lobe_strength[3];        /* f_c at angle 0, as far as the frame shows it */
   double masking_exponent;        /* a of g(n,v); 0 where the frame does not need it */
   double mean_cos_view;           /* of the pixels used */
+  double mean_view[3];            /* of the pixels used, unit */
+  double diffuse_view_slope[3];   /* b_c of the body's bend b_c D (n.v - mean_cos_view) */
   double ambient[3];              /* e_c, 0 where the frame does not need it */
   double evidence_highlight;      /* share of the information on s that the lobe brought, 0..1 */
 
@@ -108,7 +122,9 @@ HL_API void hl_light_work_free(hl_light_work *work);
 /**
  * Estimate the light from one frame of a surface of known geometry.
  *
- * @param sphere   may be NULL; with a covariance its share enters the light's
+ * What is uncertain about the surface's camera and its ball enters the light's covariance: the camera's
+ * as far as surface->camera states one, the pose's as far as surface->ball does.
+ *
  * @param settings NULL means hl_light_defaults()
  * @param out      written on HL_OK and on HL_ERR_DEGENERATE (found = false, reasons filled)
  * @return HL_OK, also where the answer is not to be trusted (out->trusted says);
@@ -117,8 +133,8 @@ HL_API void hl_light_work_free(hl_light_work *work);
  * Allocates nothing. Deterministic for any number of threads.
  */
 HL_API hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *frame,
-                                   const hl_surface *surface, const hl_sphere *sphere,
-                                   const hl_light_settings *settings, hl_light *out);
+                                   const hl_surface *surface, const hl_light_settings *settings,
+                                   hl_light *out);
 
 /** Predicted and measured mean radiance and whether it was used (1) or left out (0), of each surface pixel of
  * the last estimate; borrowed from work until its next use, shape (surface->n). Any pointer may be

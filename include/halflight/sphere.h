@@ -18,7 +18,12 @@ typedef struct hl_sphere {
   double center_m[3]; /* camera frame */
   double radius_m;
   bool has_covariance;
-  double covariance_m2[3][3]; /* of center_m, radius taken as exact */
+  double covariance_m2[3][3]; /* of center_m, radius taken as exact: all that is known of it */
+  int n_intrinsics; /* of the camera it was found through, where that camera states a covariance; 0:
+                       how the centre depends on a camera is not known */
+  double held_covariance_m2[3][3]; /* of center_m with that camera held: the outline's own */
+  double by_intrinsics[3][HL_INTRINSICS_MAX]; /* d(center_m)/d(fx, fy, cx, cy, distortion...) with
+                                                 the outline's pixels held; `n_intrinsics` columns */
 } hl_sphere;
 
 typedef struct hl_sphere_settings {
@@ -57,6 +62,9 @@ HL_API hl_status hl_sphere_from_rays(hl_ctx *ctx, const double *rays, int n, dou
 
 /**
  * Find one ball in a frame without being told where it is.
+ *
+ * Where the camera states a covariance, the centre's holds the camera's share too, and the members
+ * that keep it apart are filled.
  *
  * @param fit may be NULL
  * @return HL_OK; HL_ERR_ARG (radius, settings, camera and frame of different size); HL_ERR_FORMAT

@@ -1,10 +1,12 @@
 /* A sheet to draw on, in one of three file kinds. */
+#include <math.h>
 #include <string.h>
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 
 #include "draw.h"
+#include "png_density.h"
 
 static bool ends_with(const char *text, const char *end)
 {
@@ -39,6 +41,7 @@ hl_status hl_canvas_open(hl_ctx *ctx, hl_canvas *canvas, hl_picture_kind kind, c
 {
   canvas->kind = kind;
   canvas->path = path;
+  canvas->dpi = 0;
   if (kind == HL_PICTURE_PNG) {
     canvas->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)width, (int)height);
   } else if (kind == HL_PICTURE_SVG) {
@@ -67,7 +70,7 @@ hl_status hl_canvas_close(hl_ctx *ctx, hl_canvas *canvas)
   cairo_status_t status = cairo_status(canvas->cr);
   cairo_destroy(canvas->cr);
   if (status == CAIRO_STATUS_SUCCESS && canvas->kind == HL_PICTURE_PNG)
-    status = cairo_surface_write_to_png(canvas->surface, canvas->path);
+    status = hl_png_write(canvas->surface, canvas->path, canvas->dpi);
   cairo_surface_finish(canvas->surface);
   if (status == CAIRO_STATUS_SUCCESS)
     status = cairo_surface_status(canvas->surface);
@@ -83,4 +86,11 @@ void hl_canvas_text(const hl_canvas *canvas, double x, double y, double align, d
   cairo_text_extents(canvas->cr, text, &extents);
   cairo_move_to(canvas->cr, x - align * extents.x_advance, y);
   cairo_show_text(canvas->cr, text);
+}
+
+double hl_canvas_step(double rough)
+{
+  const double base = pow(10, floor(log10(rough)));
+  const double m = rough / base;
+  return base * (m <= 1 ? 1 : m <= 2 ? 2 : m <= 5 ? 5 : 10);
 }

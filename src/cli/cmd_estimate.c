@@ -23,11 +23,13 @@ typedef struct estimate_args {
 #define AT(member) offsetof(estimate_args, member)
 
 static const hl_operand operands[] = {
-    {"FRAME", "the photo: PNG, JPEG, TIFF, EXR or PFM", AT(frame)},
+    {"FRAME", "the photo: PNG, JPEG, TIFF, EXR or PFM", AT(frame), HL_OPERAND_NEEDED},
 };
 
 static const hl_option options[] = {
-    {"camera", "CAMERA.json", "Geometry", "the calibrated camera; always needed", AT(camera), 0, 0},
+    {"camera", "CAMERA", "Geometry",
+     "the calibrated camera, always needed: CAMERA.json, OpenCV or Kalibr YAML, mrcal .cameramodel",
+     AT(camera), 0, 0},
     {"sphere", "SPHERE.json", NULL, "the ball's pose, where it is known", AT(sphere), 0, 0},
     {"radius-m", "R", NULL, "the ball's radius; its pose is then found in the frame", AT(radius_m),
      hl_inputs_radius_fields, 0},
@@ -86,7 +88,7 @@ static hl_status check_usage(hl_ctx *ctx, const estimate_args *a)
 {
   const bool hint = a->sphere_settings.hint_radius_px > 0;
   if (!a->camera)
-    return hl_fail(ctx, HL_ERR_ARG, "--camera is missing; --camera CAMERA.json is needed");
+    return hl_fail(ctx, HL_ERR_ARG, "--camera is missing; --camera CAMERA is needed");
   if (a->sphere && a->normals)
     return hl_fail(ctx, HL_ERR_ARG,
                    "--sphere and --normals contradict; one of the two describes the surface");
@@ -186,8 +188,7 @@ static hl_status estimate_light(hl_ctx *ctx, estimate_run *r)
   const double start = hl_inputs_clock_ms();
   hl_status st = hl_light_work_new(ctx, r->surface.n, r->frame.channels, &work);
   if (st == HL_OK)
-    st = hl_light_estimate(ctx, work, &r->frame, &r->surface, r->has_sphere ? &r->sphere : NULL,
-                           &r->args->light_settings, &r->light);
+    st = hl_light_estimate(ctx, work, &r->frame, &r->surface, &r->args->light_settings, &r->light);
   hl_light_work_free(work);
   r->timing.estimate_ms = hl_inputs_clock_ms() - start;
   return hl_inputs_blame(ctx, st, r->args->frame);

@@ -20,11 +20,13 @@ typedef struct locate_args {
 #define AT(member) offsetof(locate_args, member)
 
 static const hl_operand operands[] = {
-    {"FRAME", "the photo: PNG, JPEG, TIFF, EXR or PFM", AT(frame)},
+    {"FRAME", "the photo: PNG, JPEG, TIFF, EXR or PFM", AT(frame), HL_OPERAND_NEEDED},
 };
 
 static const hl_option options[] = {
-    {"camera", "CAMERA.json", "Geometry", "the calibrated camera; always needed", AT(camera), 0, 0},
+    {"camera", "CAMERA", "Geometry",
+     "the calibrated camera, always needed: CAMERA.json, OpenCV or Kalibr YAML, mrcal .cameramodel",
+     AT(camera), 0, 0},
     {"radius-m", "R", NULL, "the ball's radius; always needed", AT(radius_m),
      hl_inputs_radius_fields, 0},
     {"circle", "X,Y,R", NULL, "look near this circle only [px]", AT(sphere_settings), 0,
@@ -67,7 +69,7 @@ static hl_status plan(hl_ctx *ctx, locate_run *r)
   hl_status st = HL_OK;
   r->sphere_at = r->picture_at = -1;
   if (!a->camera)
-    return hl_fail(ctx, HL_ERR_ARG, "--camera is missing; --camera CAMERA.json is needed");
+    return hl_fail(ctx, HL_ERR_ARG, "--camera is missing; --camera CAMERA is needed");
   if (!(a->radius_m > 0))
     return hl_fail(ctx, HL_ERR_ARG, "--radius-m is missing; the ball's radius in metres is needed");
   if (a->out)

@@ -16,6 +16,7 @@ hl_status hl_picture_kind_of(hl_ctx *ctx, const char *option, const char *path,
 typedef struct hl_canvas {
   hl_picture_kind kind;
   const char *path;
+  double dpi; /* of a PNG, stated in the file; 0 = not stated, as hl_canvas_open leaves it */
   cairo_surface_t *surface;
   cairo_t *cr;
 } hl_canvas;
@@ -29,6 +30,9 @@ hl_status hl_canvas_close(hl_ctx *ctx, hl_canvas *canvas);
 /* Text with its baseline at y: left of x where align is 1, centred at 0.5, right of x at 0. */
 void hl_canvas_text(const hl_canvas *canvas, double x, double y, double align, double size,
                     const char *text);
+
+/* 1, 2 or 5 times a power of ten, at least `rough`: for the ticks of an axis. */
+double hl_canvas_step(double rough);
 
 /* What the photo shows; light may be NULL or not found, sphere NULL for a normal map. */
 typedef struct hl_photo {
@@ -50,8 +54,16 @@ enum { HL_CAPTION_LINE = 27 }; /* height of one line of the caption */
 void hl_draw_caption(const hl_canvas *canvas, const hl_photo *photo, int factor, double width,
                      double top);
 
+/* The curves of a fit, a panel a term, among what the samples leave for each. */
+hl_status hl_draw_fit(hl_ctx *ctx, hl_picture_kind kind, const char *path, const hl_fit *fit,
+                      const hl_samples *samples);
+
 /* The fitted curves against their angles. */
 hl_status hl_draw_curves(hl_ctx *ctx, hl_picture_kind kind, const char *path,
                          const hl_light *light);
+
+/* The projection difference over the frame, or a board's corners, with the verdict above it. */
+hl_status hl_draw_drift(hl_ctx *ctx, hl_picture_kind kind, const char *path, const hl_drift *drift,
+                        const char *verdict);
 
 #endif

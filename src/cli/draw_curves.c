@@ -52,19 +52,11 @@ static bool shows(const panel *p, const hl_curve *curve)
   return strcmp(curve->lobe, p->lobe) == 0 && curve->n > 0;
 }
 
-/* 1, 2 or 5 times a power of ten, at least `rough`. */
-static double round_step(double rough)
-{
-  const double base = pow(10, floor(log10(rough)));
-  const double m = rough / base;
-  return base * (m <= 1 ? 1 : m <= 2 ? 2 : m <= 5 ? 5 : 10);
-}
-
 /* Of an angle axis: quarters and thirds of a right angle rather than its fifths. */
 static double angle_step(double range_deg)
 {
   const double rough = range_deg / 6;
-  return rough <= 10 ? round_step(rough) : rough <= 15 ? 15 : 30;
+  return rough <= 10 ? hl_canvas_step(rough) : rough <= 15 ? 15 : 30;
 }
 
 static void find_ranges(panel *p)
@@ -96,7 +88,7 @@ static void find_ranges(panel *p)
     p->y_max = pow(10, ceil(log10(most) + 0.02));
     p->y_min = fmax(pow(10, floor(log10(least))), p->y_max * pow(10, -DECADES));
   } else {
-    const double y_step = round_step(most / 5);
+    const double y_step = hl_canvas_step(most / 5);
     p->y_min = 0;
     p->y_max = y_step * ceil(most * 1.04 / y_step);
   }
@@ -150,7 +142,7 @@ static void draw_axes(const hl_canvas *canvas, const panel *p)
     for (int i = 0; i <= decades; i++)
       y_tick(canvas, p, p->y_min * pow(10, i));
   } else {
-    const double y_step = round_step(p->y_max / 6);
+    const double y_step = hl_canvas_step(p->y_max / 6);
     for (int i = 0; i * y_step <= p->y_max * (1 + 1e-9); i++)
       y_tick(canvas, p, i * y_step);
   }

@@ -7,9 +7,9 @@
 #include "outputs.h"
 
 static const hl_command *const commands[] = {
-    &hl_command_estimate,
-    &hl_command_locate,
-    &hl_command_info,
+    &hl_command_estimate, &hl_command_locate,  &hl_command_fit,    &hl_command_relight,
+    &hl_command_brdf,     &hl_command_render,  &hl_command_target, &hl_command_calibrate,
+    &hl_command_drift,    &hl_command_convert, &hl_command_info,
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
@@ -57,6 +57,7 @@ static hl_status run(hl_ctx *ctx, const hl_command *command, int n, char *const 
   hl_status st = hl_options_parse(ctx, command, n, words, args);
   if (st == HL_OK)
     st = command->run(ctx, args);
+  hl_options_release(command, args);
   free(args);
   return st;
 }

@@ -145,18 +145,47 @@ static hl_status parse_option(hl_ctx *ctx, const hl_command *command, int n, cha
   return set_option(ctx, option, text, args);
 }
 
-static hl_status set_operand(hl_ctx *ctx, const hl_command *command, int k, const char *word,
-                             void *args)
+/* `most` words may come; room for all of them is taken at the first. */
+static hl_status append_word(hl_ctx *ctx, const char *word, int most, void *member)
 {
-  if (k >= command->n_operands)
+  hl_words words;
+  memcpy(&words, member, sizeof words);
+  if (!words.word)
+    words.word = malloc((size_t)most * sizeof *words.word);
+  if (!words.word)
+    return hl_fail(ctx, HL_ERR_MEMORY, "no memory for %d names", most);
+  words.word[words.n++] = word;
+  memcpy(member, &words, sizeof words);
+  return HL_OK;
+}
+
+static hl_status set_operand(hl_ctx *ctx, const hl_command *command, int k, const char *word,
+                             int most, void *args)
+{
+  const int last = command->n_operands - 1;
+  const bool many = last >= 0 && command->operands[last].count == HL_OPERAND_MANY;
+  if (k > last && !many)
     return hl_fail(ctx, HL_ERR_ARG,
                    "'%.80s' is one word too many; 'halflight %s --help' shows the usage", word,
                    command->name);
+  const hl_operand *operand = &command->operands[k < last ? k : last];
+  void *member = (char *)args + operand->offset;
   if (!word[0])
-    return hl_fail(ctx, HL_ERR_ARG, "%s is empty; a file name is needed",
-                   command->operands[k].name);
-  memcpy((char *)args + command->operands[k].offset, &word, sizeof word);
+    return hl_fail(ctx, HL_ERR_ARG, "%s is empty; a file name is needed", operand->name);
+  if (operand->count == HL_OPERAND_MANY)
+    return append_word(ctx, word, most, member);
+  memcpy(member, &word, sizeof word);
   return HL_OK;
+}
+
+void hl_options_release(const hl_command *command, void *args)
+{
+  for (int i = 0; i < command->n_operands; i++)
+    if (command->operands[i].count == HL_OPERAND_MANY) {
+      hl_words words;
+      memcpy(&words, (char *)args + command->operands[i].offset, sizeof words);
+      free(words.word);
+    }
 }
 
 hl_status hl_options_parse(hl_ctx *ctx, const hl_command *command, int n, char *const *words,
@@ -173,11 +202,11 @@ hl_status hl_options_parse(hl_ctx *ctx, const hl_command *command, int n, char *
     else if (!only_operands && words[i][0] == '-' && words[i][1])
       st = unknown_option(ctx, command, words[i]);
     else
-      st = set_operand(ctx, command, operands++, words[i], args);
+      st = set_operand(ctx, command, operands++, words[i], n, args);
     if (st != HL_OK)
       return st;
   }
-  if (operands < command->n_operands)
+  if (operands < command->n_operands && command->operands[operands].count == HL_OPERAND_NEEDED)
     return hl_fail(ctx, HL_ERR_ARG, "%s is missing: halflight %s %s ...",
                    command->operands[operands].name, command->name,
                    command->operands[operands].name);
@@ -275,7 +304,11 @@ hl_status hl_options_help(hl_ctx *ctx, const hl_command *command, FILE *out)
   print_wrapped(out, command->sentence, 0, 0);
   fprintf(out, "\nusage: halflight %s", command->name);
   for (int i = 0; i < command->n_operands; i++)
-    fprintf(out, " %s", command->operands[i].name);
+    fprintf(out,
+            command->operands[i].count == HL_OPERAND_NEEDED     ? " %s"
+            : command->operands[i].count == HL_OPERAND_OPTIONAL ? " [%s]"
+                                                                : " [%s...]",
+            command->operands[i].name);
   fprintf(out, "%s\n", command->n_options ? " [options]" : "");
   for (int i = 0; i < command->n_operands; i++)
     print_entry(out, command->operands[i].name, command->operands[i].help);

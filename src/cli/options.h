@@ -20,16 +20,29 @@ typedef struct hl_option {
   hl_status (*parse)(hl_ctx *ctx, const char *text, void *member);
 } hl_option;
 
+typedef enum hl_operand_count {
+  HL_OPERAND_NEEDED,
+  HL_OPERAND_OPTIONAL, /* after the needed ones */
+  HL_OPERAND_MANY      /* the last: any number, none included; the verb says what it needs */
+} hl_operand_count;
+
+/* The words of an HL_OPERAND_MANY, in their order. */
+typedef struct hl_words {
+  int n;
+  const char **word; /* released by hl_options_release */
+} hl_words;
+
 typedef struct hl_operand {
   const char *name;
   const char *help;
-  size_t offset; /* const char * */
+  size_t offset; /* const char *, NULL where it is not given; hl_words for HL_OPERAND_MANY */
+  hl_operand_count count;
 } hl_operand;
 
 typedef struct hl_command {
   const char *name;
   const char *sentence;
-  const hl_operand *operands; /* all are needed */
+  const hl_operand *operands;
   int n_operands;
   const hl_option *options;
   int n_options;
@@ -44,6 +57,9 @@ typedef struct hl_command {
 hl_status hl_options_parse(hl_ctx *ctx, const hl_command *command, int n, char *const *words,
                            void *args);
 
+/* Free what hl_options_parse took for the arguments, however it ended. */
+void hl_options_release(const hl_command *command, void *args);
+
 /* Print what `halflight VERB --help` shows. HL_ERR_MEMORY. */
 hl_status hl_options_help(hl_ctx *ctx, const hl_command *command, FILE *out);
 
@@ -53,8 +69,16 @@ hl_status hl_options_numbers(hl_ctx *ctx, const char *option, const char *text, 
 /* The name nearest to `word` by edits; NULL when none is near. */
 const char *hl_options_nearest(const char *word, const char *const *names, int n);
 
+extern const hl_command hl_command_brdf;
+extern const hl_command hl_command_calibrate;
+extern const hl_command hl_command_convert;
+extern const hl_command hl_command_drift;
 extern const hl_command hl_command_estimate;
-extern const hl_command hl_command_locate;
+extern const hl_command hl_command_fit;
 extern const hl_command hl_command_info;
+extern const hl_command hl_command_locate;
+extern const hl_command hl_command_relight;
+extern const hl_command hl_command_render;
+extern const hl_command hl_command_target;
 
 #endif

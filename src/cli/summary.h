@@ -6,9 +6,17 @@
 
 #include "halflight/halflight.h"
 
+/* Words after a label, wrapped under each other. */
+void hl_summary_line(FILE *out, const char *label, const char *text);
+
+/* A line a note, the label before the first. */
+void hl_summary_notes(FILE *out, const char *label, const hl_notes *notes);
+
 void hl_summary_light(FILE *out, const hl_light *light, const hl_timing *timing);
 
 void hl_summary_sphere(FILE *out, const hl_sphere *sphere, const hl_sphere_fit *fit);
+
+void hl_summary_fit(FILE *out, const hl_fit *fit);
 
 /* "what: why; what: why" of the reasons. */
 void hl_summary_reasons(const hl_notes *reasons, char *out, size_t size);

@@ -3,7 +3,7 @@
 #
 # A case is a folder with
 #   cmd      shell text; `halflight` is the command under test; runs among make_ball's default files
-#   setup    shell text run before it (optional); `make_ball` is there
+#   setup    shell text run before it (optional); `make_ball`, `make_corners` and `make_table` are there
 #   stdout   expected lines (none without the file); stderr likewise. A line that starts with
 #            `glob:` is a shell pattern, `...` alone stands for any lines that follow
 #   exit     expected exit status (0 without the file)
@@ -25,6 +25,8 @@ bad=0
 
 halflight() { "$HALFLIGHT" "$@"; }
 make_ball() { "$MAKE_BALL" "$@"; }
+make_corners() { "$(dirname "$MAKE_BALL")/make_corners" "$@"; }
+make_table() { "$(dirname "$MAKE_BALL")/make_table" "$@"; }
 
 complain()
 {
