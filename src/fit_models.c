@@ -9,6 +9,8 @@
  * that of the fit along any directions: only the first can be asked for another light. */
 static const double plane_ratio = 2.5;
 static const double in_plane_rad = 1e-6; /* a given direction of the plane is so to rounding */
+static const double whole_off = 1e-6;    /* so are the whole numbers of one like 2s+v */
+enum { WHOLE_MOST = 4 };                 /* the largest of them */
 
 /* ---- ridge ---- */
 
@@ -32,6 +34,19 @@ void hl_fit_search_ridge(hl_fit_work *w, hl_ridge_fit *fit)
 
 /* ---- additive ---- */
 
+/* cs : cv as whole numbers, where small ones say the same: h is (1,1) however its digits were cut. */
+static hl_axis whole_axis(hl_axis axis)
+{
+  const double most = fmax(fabs(axis.cs), fabs(axis.cv));
+  for (int k = 1; k <= WHOLE_MOST; k++) {
+    const double cs = k * axis.cs / most, cv = k * axis.cv / most;
+    if (fabs(cs - round(cs)) < whole_off && fabs(cv - round(cv)) < whole_off)
+      return hl_fit_named(round(cs), round(cv));
+  }
+  axis.kind = HL_AXIS_NAMED;
+  return axis;
+}
+
 /* A given direction: of the plane of light and view where it lies there, so that it follows a light. */
 static hl_axis given_axis(const hl_fit_work *w, const double direction[3])
 {
@@ -39,14 +54,13 @@ static hl_axis given_axis(const hl_fit_work *w, const double direction[3])
   hl_unit(direction, axis.a);
   if (!w->in_plane)
     return axis;
-  hl_axis named = hl_fit_axis(w, axis.a);
+  const hl_axis named = hl_fit_axis(w, axis.a);
   double back[3];
   for (int k = 0; k < 3; k++)
     back[k] = named.cs * w->light[k] + named.cv * w->all.mean_view[k];
   if (!(hl_angle(back, axis.a) < in_plane_rad))
     return axis;
-  named.kind = HL_AXIS_NAMED;
-  return named;
+  return whole_axis(named);
 }
 
 void hl_fit_search_additive(hl_fit_work *w, int n, const double *directions, hl_ridge_fit *fit)

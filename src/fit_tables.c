@@ -13,8 +13,8 @@ static const double pi = 3.14159265358979323846;
 
 /* Sums of powers of t and the curve f, a channel. */
 typedef struct moments {
-  double tt, ttt, tttt;
-  double ff[HL_CHANNELS_MAX], ft[HL_CHANNELS_MAX], ftt[HL_CHANNELS_MAX];
+  double n, t, tt, ttt, tttt;
+  double f[HL_CHANNELS_MAX], ff[HL_CHANNELS_MAX], ft[HL_CHANNELS_MAX], ftt[HL_CHANNELS_MAX];
   double shown[2];
 } moments;
 
@@ -27,6 +27,8 @@ static void add_moments(const hl_ridge_pass *p, const hl_ridge_rows *rows, const
     const double t = r->t[i];
     m->shown[0] = fmin(m->shown[0], t);
     m->shown[1] = fmax(m->shown[1], t);
+    m->n++;
+    m->t += t;
     m->tt += t * t;
     m->ttt += t * t * t;
     m->tttt += t * t * t * t;
@@ -35,11 +37,28 @@ static void add_moments(const hl_ridge_pass *p, const hl_ridge_rows *rows, const
       for (int k = 0; k < run; k++)
         f += r->value[i][k] * fit->curves.x[c][r->at[i] + k];
       f /= r->g[i];
+      m->f[c] += f;
       m->ff[c] += f * f;
       m->ft[c] += f * t;
       m->ftt[c] += f * t * t;
     }
   }
+}
+
+/* About their means: a free curve has a constant too, which says nothing of its shape. */
+static moments without_constant(const moments *m, int channels)
+{
+  moments out = *m;
+  const double by = m->n > 0 ? 1 / m->n : 0;
+  out.tttt -= by * m->tt * m->tt;
+  out.ttt -= by * m->t * m->tt;
+  out.tt -= by * m->t * m->t;
+  for (int c = 0; c < channels; c++) {
+    out.ff[c] -= by * m->f[c] * m->f[c];
+    out.ft[c] -= by * m->f[c] * m->t;
+    out.ftt[c] -= by * m->f[c] * m->tt;
+  }
+  return out;
 }
 
 /* Shares of the curve's rms that no k t, and no k t + q t^2, explains. */
@@ -72,6 +91,9 @@ static void set_moments(const hl_fit_work *w, const hl_ridge_fit *fit, moments m
     for (int j = 0; j < fit->ridges.n; j++)
       add_moments(&pass, &rows, fit, j, &m[j]);
   }
+  for (int j = 0; j < fit->ridges.n && w->free_curves; j++)
+    if (!fit->ridges.linear[j])
+      m[j] = without_constant(&m[j], w->all.channels);
 }
 
 /* Share of the variance that goes with each term, the other curves refitted, on the middle samples. */
@@ -115,6 +137,10 @@ static void set_curve(const hl_fit_work *w, const hl_ridge_fit *fit, int i, hl_t
     for (int c = 0; c < w->all.channels; c++)
       term->value[c][k] = unit * hl_ridge_value(&fit->ridges, i, fit->curves.x[c], term->t[k]);
   }
+  /* monotone to the last bit, where the spline is so to rounding */
+  for (int c = 0; c < w->all.channels && !w->free_curves; c++)
+    for (int k = 1; k < term->n; k++)
+      term->value[c][k] = fmax(term->value[c][k], term->value[c][k - 1]);
   /* the scale of a product, in its first factor */
   for (int c = 0; c < w->all.channels && w->log_domain && i == 0; c++)
     for (int k = 0; k < term->n; k++)
@@ -148,7 +174,8 @@ static void fix_gauge(hl_fit *out)
   hl_add_scaled(linear->direction, most, lobe->direction, a);
   for (int c = 0; c < out->channels; c++) {
     for (int k = 0; k < lobe->n; k++)
-      lobe->value[c][k] = fmax(0, lobe->value[c][k] - most * linear->value[c][1] * lobe->t[k]);
+      lobe->value[c][k] = fmax(k > 0 ? lobe->value[c][k - 1] : 0,
+                               lobe->value[c][k] - most * linear->value[c][1] * lobe->t[k]);
     linear->value[c][1] *= hl_norm(a);
   }
   hl_unit(a, linear->direction);

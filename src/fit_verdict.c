@@ -154,11 +154,38 @@ static bool is_degenerate(const hl_fit *out, int linear, int quadratic, verdict 
   return v->proposition != NULL;
 }
 
+/* Whether the linear one of two terms is about the given light: Prop. 5 holds of no other. */
+static bool is_along_light(const hl_fit *out)
+{
+  for (int i = 0; i < out->n_terms; i++)
+    if (is_linear(&out->term[i]))
+      return hl_angle(out->term[i].direction, out->light) < coincident_rad;
+  return false;
+}
+
+/* A linear part that is not there: what is left is one curve. */
+static bool lacks_linear_part(const hl_fit *out)
+{
+  bool zero = out->model == HL_FIT_DICHROMATIC;
+  for (int c = 0; c < out->channels; c++)
+    zero = zero && !(out->term[0].strength[c] > 0);
+  return zero;
+}
+
 static verdict verdict_of_two(const hl_fit *out, int linear, int quadratic, bool known)
 {
-  if (linear == 1 && out->light_given)
+  if (lacks_linear_part(out) && !out->light_given)
+    return (verdict){HL_AMBIGUOUS,
+                     "Remark 3: no linear part, or one along the lobe, the light not known",
+                     "whether the lobe's direction is the half vector (no linear part: the light "
+                     "is its mirror image of the view) or the light itself"};
+  if (linear == 1 && out->light_given && is_along_light(out))
     return (verdict){HL_UNIQUE, "Proposition 5: one lobe, the light's direction known",
                      strength_free};
+  if (linear == 1 && out->light_given && !known)
+    return (verdict){HL_AMBIGUOUS, "Proposition 3: one lobe and a linear part not along the light",
+                     "a share k b.n between lobe and linear part; the lobe's direction b is "
+                     "determined"};
   if (linear == 1 && !known)
     return (verdict){
         HL_AMBIGUOUS, "Proposition 3: one lobe and a linear part, the light not known",

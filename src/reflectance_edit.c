@@ -4,7 +4,8 @@
  * What leaves physics is done and noted. A BRDF is reciprocal: unchanged when s and v change places.
  * A term along (cs s + cv v)/|.| is so for cs = cv alone; the body's n.s is the cosine of the light,
  * not of the BRDF, and counts as reciprocal too. Curves of a real surface are not negative and grow
- * with the cosine (paper L1 to L4).
+ * with the cosine (paper L1 to L4). In the log domain a term is the logarithm of a factor: to scale it
+ * adds log F, and its sign says nothing.
  */
 #include <errno.h>
 #include <math.h>
@@ -15,6 +16,7 @@
 #include "file_read.h"
 #include "halflight/notes.h"
 #include "halflight/relight.h"
+#include "number_text.h"
 
 enum { CURVE_BYTES_MAX = 1 << 20 };
 
@@ -84,12 +86,12 @@ static int read_row(const char *line, double number[4])
   int n = 0;
   const char *at = line;
   while (n < 4) {
-    char *end = NULL;
-    number[n] = strtod(at, &end);
-    if (end == at || !isfinite(number[n]))
+    at += strspn(at, " \t");
+    const size_t length = strcspn(at, ", \t\r");
+    if (!hl_number_parse(at, length, &number[n]))
       return -1;
     n++;
-    end += strspn(end, " \t\r");
+    const char *end = at + length + strspn(at + length, " \t\r");
     if (*end == '\0')
       return n;
     if (*end != ',')
@@ -140,7 +142,7 @@ static void note_shape(hl_reflectance *reflectance, const hl_lobe_term *t)
   bool negative = false, falls = false;
   for (int c = 0; c < HL_CHANNELS_MAX; c++)
     for (int i = 0; i < t->n; i++) {
-      negative = negative || t->value[c][i] < 0;
+      negative = negative || (!reflectance->log_domain && t->value[c][i] < 0);
       falls = falls || (i > 0 && t->value[c][i] < t->value[c][i - 1]);
     }
   if (negative)

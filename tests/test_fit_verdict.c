@@ -60,6 +60,46 @@ static void test_a_known_light_makes_the_difference(void **state)
   free(unknown);
 }
 
+/* Proposition 5 is about a linear part along the light; one elsewhere leaves k b.n free all the same. */
+static void test_a_linear_part_off_the_light(void **state)
+{
+  (void)state;
+  scene s = scene_of(1500);
+  const double light[3] = {1, 1, 1};
+  scene_add(&s, 1, -2, 5, scene_linear, 1);
+  scene_add(&s, 3, 2, 9, scene_gloss, 0.8);
+  hl_fit *fit = fit_of(&s, HL_FIT_PURSUIT, light, 2);
+  assert_verdict(fit, HL_AMBIGUOUS, "Proposition 3");
+  free(fit);
+}
+
+/* Without constraints a curve has a constant too, which says nothing of its shape. */
+static void test_shape_of_a_free_curve(void **state)
+{
+  (void)state;
+  scene s = scene_of(1500);
+  hl_fit_settings settings = hl_fit_defaults();
+  settings.free_curves = 1;
+  scene_add(&s, 0, 0, 1, scene_linear, 1);
+  hl_fit *fit = scene_fit(&s, HL_FIT_RIDGE, NULL, &settings);
+  assert_near(fit->term[0].off_linear, 0, 1e-4);
+  free(fit);
+}
+
+/* A half vector of eight digits is one. */
+static void test_given_directions_are_named(void **state)
+{
+  (void)state;
+  const scene s = scene_dichromatic(1500);
+  const double directions[6] = {1, 1, 1, 1, 1, 2.7320508};
+  const hl_fit_known known = {s.light, 2, directions};
+  const hl_fit_settings settings = hl_fit_defaults();
+  hl_fit *fit = scene_fit(&s, HL_FIT_ADDITIVE, &known, &settings);
+  assert_string_equal(fit->term[0].name, "s");
+  assert_string_equal(fit->term[1].name, "h");
+  free(fit);
+}
+
 /* Remark 2: a sum of quadratics is a quadratic form, and has other pairs. */
 static void test_two_quadratics_are_ambiguous(void **state)
 {
@@ -185,6 +225,9 @@ int main(void)
       cmocka_unit_test(test_one_curve_is_unique),
       cmocka_unit_test(test_a_linear_lobe_is_ambiguous_and_not_trusted),
       cmocka_unit_test(test_a_known_light_makes_the_difference),
+      cmocka_unit_test(test_a_linear_part_off_the_light),
+      cmocka_unit_test(test_shape_of_a_free_curve),
+      cmocka_unit_test(test_given_directions_are_named),
       cmocka_unit_test(test_two_quadratics_are_ambiguous),
       cmocka_unit_test(test_one_quadratic_lobe),
       cmocka_unit_test(test_coinciding_directions_are_ambiguous),

@@ -89,6 +89,10 @@ static void test_replace(void **state)
   assert_near(r.term[1].value[2][1], 3, 0);
   replace(state, "0,1\n1,-1\n", HL_OK, NULL, &r);
   assert_int_equal(r.notes.n, 2); /* negative, and falling */
+  hl_reflectance product = two_terms();
+  product.log_domain = true; /* the sign of a logarithm says nothing */
+  replace(state, "0,-2\n1,-1\n", HL_OK, NULL, &product);
+  assert_int_equal(product.notes.n, 0);
 }
 
 static void test_refusals_leave_it_as_it_is(void **state)
