@@ -1,5 +1,5 @@
 /*
- * OpenCV's decoders, behind plain C functions; no exception leaves this file.
+ * OpenCV's decoders and its PNG encoder, behind plain C functions; no exception leaves this file.
  *
  * The codecs below OpenCV print their complaints on standard error and then fill what is missing
  * with grey. Both are caught: standard error is held back while they decode, and for a JPEG, whose
@@ -12,6 +12,7 @@
 #include <exception>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -140,6 +141,33 @@ hl_status hl_opencv_decode(hl_ctx *ctx, const char *path, const char *kind,
     return hl_fail(ctx, HL_ERR_FORMAT, "%s: OpenCV cannot decode it: %.120s", path, e.what());
   } catch (...) {
     return hl_fail(ctx, HL_ERR_FORMAT, "%s: OpenCV cannot decode it", path);
+  }
+}
+
+hl_status hl_opencv_png16(hl_ctx *ctx, const char *path, const unsigned short *codes, int width,
+                          int height, int channels, unsigned char **bytes, size_t *n)
+{
+  try {
+    hl_opencv_prepare();
+    cv::Mat image(height, width, CV_16UC(channels));
+    const cv::Mat given(height, width, CV_16UC(channels), const_cast<unsigned short *>(codes));
+    copy_swapped(given, image.ptr<unsigned short>());
+    std::vector<unsigned char> png;
+    if (!cv::imencode(".png", image, png) || png.empty())
+      return hl_fail(ctx, HL_ERR_IO, "%s: OpenCV cannot encode it", path);
+    auto *copy = static_cast<unsigned char *>(std::malloc(png.size()));
+    if (!copy)
+      return hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory to encode the image", path);
+    std::memcpy(copy, png.data(), png.size());
+    *bytes = copy;
+    *n = png.size();
+    return HL_OK;
+  } catch (const std::bad_alloc &) {
+    return hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory to encode the image", path);
+  } catch (const std::exception &e) {
+    return hl_fail(ctx, HL_ERR_IO, "%s: OpenCV cannot encode it: %.120s", path, e.what());
+  } catch (...) {
+    return hl_fail(ctx, HL_ERR_IO, "%s: OpenCV cannot encode it", path);
   }
 }
 

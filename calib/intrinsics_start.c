@@ -208,7 +208,11 @@ static hl_status offer_poses(hl_ctx *ctx, hl_intrinsics *p)
     double cost;
     if (!view->used)
       continue;
-    const hl_status st = hl_sightings_pose(NULL, &p->camera, view->sighting, view->n, &pose, &cost);
+    hl_ctx inner = {0}; /* a view that offers none keeps its own */
+    const hl_status st =
+        hl_sightings_pose(&inner, &p->camera, view->sighting, view->n, &pose, &cost);
+    if (st == HL_ERR_MEMORY)
+      return hl_fail(ctx, st, "%s", inner.msg);
     if (st == HL_OK && cost < better * view->cost) {
       view->pose = pose;
       any = true;

@@ -377,6 +377,28 @@ static hl_status search_and_choose(hl_ctx *ctx, const scene *sc, attempt *out)
   return st == HL_OK ? choose(ctx, sc, found, n, out) : st;
 }
 
+/* The pose of a candidate that passed, checked. */
+static hl_status pose_of(hl_ctx *ctx, const scene *sc, const attempt *a, double radius_m,
+                         hl_sphere *out, hl_sphere_fit *fit)
+{
+  hl_sphere_fit about;
+  const hl_status st = describe(ctx, sc, a, &about);
+  if (st != HL_OK)
+    return st;
+  hl_sphere ball;
+  hl_ctx inner = {0};
+  hl_cone_to_sphere(&a->cone, (const double(*)[3])a->fit.covariance, radius_m, &ball);
+  if (sc->camera->has_covariance)
+    hl_sphere_add_camera(sc->camera, &a->cone, (const double(*)[HL_INTRINSICS_MAX])a->by_intrinsics,
+                         &ball);
+  if (hl_sphere_check(&inner, &ball) != HL_OK)
+    return hl_fail(ctx, HL_ERR_DEGENERATE, "the outline is an impossible ball's: %s", inner.msg);
+  *out = ball;
+  if (fit)
+    *fit = about;
+  return HL_OK;
+}
+
 hl_status hl_sphere_locate(hl_ctx *ctx, const hl_frame *frame, const hl_camera *camera,
                            double radius_m, const hl_sphere_settings *settings, hl_sphere *out,
                            hl_sphere_fit *fit)
@@ -387,22 +409,27 @@ hl_status hl_sphere_locate(hl_ctx *ctx, const hl_frame *frame, const hl_camera *
   if (st != HL_OK)
     return st;
   attempt a;
-  hl_sphere_fit about;
   st = search_and_choose(ctx, &sc, &a);
+  return st == HL_OK ? pose_of(ctx, &sc, &a, radius_m, out, fit) : st;
+}
+
+hl_status hl_sphere_relocate(hl_ctx *ctx, const hl_frame *frame, const hl_camera *camera,
+                             const hl_sphere *near, const hl_sphere_settings *settings,
+                             hl_sphere *out, hl_sphere_fit *fit)
+{
+  scene sc = {
+      .frame = frame, .camera = camera, .settings = settings ? *settings : hl_sphere_defaults()};
+  hl_status st = check_input(ctx, frame, camera, near->radius_m, &sc.settings);
   if (st == HL_OK)
-    st = describe(ctx, &sc, &a, &about);
+    st = hl_sphere_check(ctx, near);
   if (st != HL_OK)
     return st;
-  hl_sphere ball;
-  hl_ctx inner = {0};
-  hl_cone_to_sphere(&a.cone, (const double(*)[3])a.fit.covariance, radius_m, &ball);
-  if (camera->has_covariance)
-    hl_sphere_add_camera(camera, &a.cone, (const double(*)[HL_INTRINSICS_MAX])a.by_intrinsics,
-                         &ball);
-  if (hl_sphere_check(&inner, &ball) != HL_OK)
-    return hl_fail(ctx, HL_ERR_DEGENERATE, "the outline is an impossible ball's: %s", inner.msg);
-  *out = ball;
-  if (fit)
-    *fit = about;
-  return HL_OK;
+  hl_cone cone;
+  hl_unit(near->center_m, cone.axis);
+  hl_tangent_basis(cone.axis, cone.e1, cone.e2);
+  cone.half_angle_rad = asin(near->radius_m / hl_norm(near->center_m));
+  attempt a;
+  settle(&sc, &cone, &a);
+  return a.verdict == BALL ? pose_of(ctx, &sc, &a, near->radius_m, out, fit)
+                           : refuse(ctx, &sc, &a, 0);
 }

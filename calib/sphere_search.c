@@ -80,7 +80,7 @@ static bool accumulator_make(const work *w, accumulator *a)
   a->height = (int)((y1 - y0 + 2 * margin) / CELL) + 3;
   const size_t n = (size_t)a->width * (size_t)a->height;
   a->votes = calloc(2 * n, sizeof *a->votes);
-  a->sums = a->votes + n;
+  a->sums = a->votes ? a->votes + n : NULL;
   return a->votes != NULL;
 }
 

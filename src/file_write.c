@@ -17,7 +17,8 @@ enum { NAMES_TRIED = 100 };
 
 static hl_status cannot(hl_ctx *ctx, const char *verb, const char *path, int error)
 {
-  return hl_fail(ctx, HL_ERR_IO, "%s: cannot %s: %s", path, verb, strerror(error));
+  return hl_fail(ctx, error == ENOMEM ? HL_ERR_MEMORY : HL_ERR_IO, "%s: cannot %s: %s", path, verb,
+                 strerror(error));
 }
 
 /* 0 or errno. */
@@ -103,6 +104,8 @@ hl_status hl_file_write(hl_ctx *ctx, const char *path, const char *bytes, size_t
     return pour(ctx, path, bytes, n);
   /* a link stays a link: what it names is replaced */
   char *real = realpath(path, NULL);
+  if (!real && errno == ENOMEM)
+    return cannot(ctx, "write", path, ENOMEM);
   const hl_status st = replace(ctx, real ? real : path, &old, bytes, n);
   free(real);
   return st;

@@ -42,8 +42,7 @@ static void fill(void)
       {"AprilTag", HL_APRILTAG_VERSION, "-DHL_WITH_APRILTAG=ON",
        "AprilGrids as calibration targets"},
       {"assimp", HL_ASSIMP_VERSION, "-DHL_WITH_ASSIMP=ON", "meshes to relight"},
-      {"libcamera", hl_libcamera_version(), "-DHL_WITH_LIBCAMERA=ON",
-       "capture; used by no verb yet"},
+      {"libcamera", hl_libcamera_version(), "-DHL_WITH_LIBCAMERA=ON", "capture"},
   };
   for (int i = 0; i < N_FEATURES; i++)
     features[i] = all[i];

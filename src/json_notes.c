@@ -3,6 +3,8 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "json_write.h"
 
@@ -45,4 +47,26 @@ json_t *hl_json_rows(const double *rows, int n, int m, int stride)
   for (int i = 0; i < n && good; i++)
     good = json_array_append_new(list, hl_json_reals(rows + (ptrdiff_t)i * stride, m)) == 0;
   return kept(list, good);
+}
+
+hl_status hl_json_notes_read(hl_json_source source, const json_t *object, const char *member,
+                             hl_notes *out)
+{
+  const json_t *list = json_object_get(object, member);
+  if (!json_is_array(list))
+    return hl_fail(source.ctx, HL_ERR_FORMAT, "%s: %s is no list; a list of notes is needed",
+                   source.path, member);
+  memset(out, 0, sizeof *out);
+  for (size_t i = 0; i < json_array_size(list) && i < HL_NOTES_MAX; i++) {
+    const char *what, *why;
+    hl_status st = hl_json_string(source, json_array_get(list, i), "what", &what);
+    if (st == HL_OK)
+      st = hl_json_string(source, json_array_get(list, i), "why", &why);
+    if (st != HL_OK)
+      return st;
+    hl_note *note = &out->note[out->n++];
+    snprintf(note->what, sizeof note->what, "%.*s", (int)sizeof note->what - 1, what);
+    snprintf(note->why, sizeof note->why, "%.*s", (int)sizeof note->why - 1, why);
+  }
+  return HL_OK;
 }

@@ -5,6 +5,7 @@
 #include <jansson.h>
 
 #include "halflight/light.h"
+#include "json_read.h"
 
 /* All of them NULL without memory; the caller's (json_decref). */
 
@@ -16,5 +17,10 @@ json_t *hl_json_notes(const hl_notes *notes);
 
 /* n rows of m numbers, from rows `stride` apart. */
 json_t *hl_json_rows(const double *rows, int n, int m, int stride);
+
+/* Lines that hl_json_notes wrote; the first HL_NOTES_MAX of them, texts cut to their room. HL_OK;
+ * HL_ERR_FORMAT. */
+hl_status hl_json_notes_read(hl_json_source source, const json_t *object, const char *member,
+                             hl_notes *out);
 
 #endif

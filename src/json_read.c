@@ -8,6 +8,7 @@
  */
 #include "json_read.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,7 +85,11 @@ hl_status hl_json_header(hl_json_source source, const json_t *root, const char *
 hl_status hl_json_parse(hl_json_source source, const char *bytes, size_t n, json_t **out)
 {
   json_error_t error;
+  errno = 0;
   json_t *root = json_loadb(bytes, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
+  /* jansson calls a text that it has no memory for malformed */
+  if (!root && errno == ENOMEM)
+    return hl_fail(source.ctx, HL_ERR_MEMORY, "%s: no memory for the document", source.path);
   if (!root)
     return not_json(source, bytes, n, &error);
   *out = root;

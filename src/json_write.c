@@ -11,15 +11,19 @@ enum { LINE_MAX_CHARS = 100, REAL_DIGITS = 17 };
 typedef struct text_buffer {
   char *bytes;
   size_t n, capacity;
+  bool failed; /* and stays so: jansson does not pass on a failure to write a member's name */
 } text_buffer;
 
 static int append(const char *bytes, size_t n, void *user)
 {
   text_buffer *t = user;
+  if (t->failed)
+    return -1;
   if (t->n + n + 1 > t->capacity) {
     const size_t capacity = 2 * (t->capacity + n + 1);
     char *grown = capacity > t->n ? realloc(t->bytes, capacity) : NULL;
-    if (!grown)
+    t->failed = !grown;
+    if (t->failed)
       return -1;
     t->bytes = grown;
     t->capacity = capacity;
@@ -95,8 +99,8 @@ static int append_value(text_buffer *out, json_t *value, int indent)
 hl_status hl_json_text(hl_ctx *ctx, json_t *document, char **out)
 {
   text_buffer text = {0};
-  const bool good =
-      document && append_value(&text, document, 0) == 0 && append("\n", 1, &text) == 0;
+  const bool good = document && append_value(&text, document, 0) == 0 &&
+                    append("\n", 1, &text) == 0 && !text.failed;
   json_decref(document);
   if (!good) {
     free(text.bytes);

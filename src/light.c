@@ -11,7 +11,7 @@
 
 #include "halflight/notes.h"
 #include "halflight/vec3.h"
-#include "light_work.h"
+#include "light_terms.h"
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -205,8 +205,7 @@ static void set_direction(const hl_light_work *work, hl_light *out)
   hl_unit(out->half_angle_direction, out->half_angle_direction);
 }
 
-/* Angle from the highlight out to which pixels are clipped: all but the last few of them. */
-static double clipped_to_rad(const hl_light_work *work)
+double hl_light_clipped_to(const hl_light_work *work)
 {
   const hl_light_data *d = &work->all;
   const double *s = work->best.at.s;
@@ -235,7 +234,7 @@ static double clipped_to_rad(const hl_light_work *work)
 static void set_color(const hl_light_work *work, hl_light *out)
 {
   const char *lobe = out->lobe == HL_LOBE_AUTO ? "diffuse" : "specular";
-  const double from = out->lobe == HL_LOBE_AUTO ? 0 : clipped_to_rad(work);
+  const double from = out->lobe == HL_LOBE_AUTO ? 0 : hl_light_clipped_to(work);
   double sum[HL_CHANNELS_MAX] = {0}, most = 0;
   int c = 0;
   for (int k = 0; k < out->n_curves; k++) {
@@ -289,6 +288,8 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   hl_light_spread spread;
   double start[2][3];
   hl_status st = hl_fields_check(ctx, hl_light_fields(), &own);
+  if (st == HL_OK)
+    st = hl_light_check_terms(ctx, &own);
   if (st != HL_OK)
     return st;
   own.threads = threads_of(&own);
@@ -307,6 +308,7 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
     return no_light(ctx, out);
   }
   const hl_light_variant *kept = &settled.variant[settled.kept];
+  work->kept = kept->model;
   out->found = true;
   out->lobe = kept->model.has_lobe ? kept->model.lobe : HL_LOBE_AUTO;
   set_direction(work, out);
@@ -316,7 +318,9 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   out->part_stated[HL_PART_NOISE] = out->part_stated[HL_PART_MODEL] = true;
   hl_light_geometry(work, &kept->model, surface, &spread, own.threads, out);
   add_parts(out);
+  hl_light_position(work, &kept->model, surface, &spread, own.threads, out);
   hl_light_curves(work, &kept->model, own.threads, out);
+  hl_light_bound(work, &kept->model, surface, own.threads, out);
   set_color(work, out);
   out->n_pixels = work->all.n;
   out->n_clipped = work->brightness.clipped;
@@ -327,7 +331,7 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   out->condition = spread.condition;
   out->evidence_highlight = spread.highlight_share;
   out->masking_exponent = kept->model.masking ? work->best.at.exponent : 0;
-  hl_light_notes(work, &settled, &spread, surface, out);
+  hl_light_notes(work, &settled, &spread, surface, &own, out);
   spread_over_surface(work, surface->n);
   return HL_OK;
 }

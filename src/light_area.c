@@ -38,7 +38,8 @@ static bool is_lit(const struct hl_light_work *work, int p)
 {
   const hl_light_data *d = &work->all;
   const double *s = work->best.at.s;
-  return d->normal[0][p] * s[0] + d->normal[1][p] * s[1] + d->normal[2][p] * s[2] > d->footprint[p];
+  return d->normal[0][p] * s[0] + d->normal[1][p] * s[1] + d->normal[2][p] * s[2] >
+         d->footprint[p] + work->best.at.nearness;
 }
 
 /* The middles of the pixels' sides; `counts` is cleared where one of them passes the ball by. */

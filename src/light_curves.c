@@ -24,6 +24,7 @@ typedef struct constrained {
   int unknowns;
   int lobes; /* of them */
   int cones;
+  int retro; /* backscatter's */
 } constrained;
 
 static constrained shape_of(const hl_light_model *model)
@@ -31,7 +32,8 @@ static constrained shape_of(const hl_light_model *model)
   constrained s = {.n = model->has_lobe ? model->spline.n : 0, .m = hl_model_border(model)};
   s.lobes = s.n > 0 ? s.n - 1 : 0;
   s.cones = model->body > 1 ? BODY_CONES : 1;
-  s.unknowns = s.lobes + s.cones + (model->ambient ? 1 : 0);
+  s.retro = model->backscatter ? 2 : 0;
+  s.unknowns = s.lobes + s.cones + s.retro + (model->ambient ? 1 : 0);
   return s;
 }
 
@@ -48,6 +50,8 @@ static void expand(const hl_light_model *model, const constrained *s, const doub
     for (int g = 0; g < BODY_CONES; g++)
       for (int j = 0; j < 3; j++)
         x[s->n + j] += cone[g][j] * d[s->lobes + g];
+  for (int j = 0; j < s->retro; j++)
+    x[s->n + model->body + j] = d[s->lobes + s->cones + j];
   if (model->ambient)
     x[s->n + s->m - 1] = d[s->unknowns - 1];
 }
@@ -63,6 +67,8 @@ static void contract(const hl_light_model *model, const constrained *s, const do
     for (int j = 0; s->cones > 1 && j < 3; j++)
       d[s->lobes + g] += cone[g][j] * x[s->n + j];
   }
+  for (int j = 0; j < s->retro; j++)
+    d[s->lobes + s->cones + j] = x[s->n + model->body + j];
   if (model->ambient)
     d[s->unknowns - 1] = x[s->n + s->m - 1];
 }
@@ -125,8 +131,7 @@ void hl_light_curves(struct hl_light_work *work, const hl_light_model *model, in
   const double level = work->brightness.level;
   hl_normal normal[HL_CHANNELS_MAX];
   out->n_curves = 0;
-  hl_model_normal(model, &work->all, work->best.at.s, work->best.at.exponent, threads, &work->model,
-                  &work->best.at, normal);
+  hl_model_normal(model, &work->all, threads, &work->model, &work->best.at, normal);
   for (int c = 0; c < work->all.channels; c++) {
     double x[HL_COLUMNS_MAX];
     solve_constrained(model, &s, &normal[c], x);
@@ -147,11 +152,14 @@ void hl_light_curves(struct hl_light_work *work, const hl_light_model *model, in
     out->diffuse_strength[c] = level * body_value(model, x + s.n, 1, cos_view);
     out->diffuse_view_slope[c] = model->body > 1 ? level * x[s.n + 1] : 0;
     out->ambient[c] = model->ambient ? level * x[s.n + s.m - 1] : 0;
+    for (int j = 0; j < s.retro; j++)
+      out->backscatter[c][j] = level * x[s.n + model->body + j];
     out->lobe_strength[c] = model->has_lobe ? level * lobe_value(model, x, 0) : 0;
   }
   out->mean_cos_view = cos_view;
   for (int c = work->all.channels; c < HL_CHANNELS_MAX; c++) {
     out->ambient[c] = out->ambient[0];
+    memcpy(out->backscatter[c], out->backscatter[0], sizeof out->backscatter[c]);
     out->diffuse_strength[c] = out->diffuse_strength[0];
     out->diffuse_view_slope[c] = out->diffuse_view_slope[0];
     out->lobe_strength[c] = out->lobe_strength[0];

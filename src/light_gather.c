@@ -12,7 +12,7 @@ static const double lit_share = 0.02; /* of the 90th percentile: darker pixels a
 static const double least_level_in_noise = 4;
 
 /* Largest key first, ties in place: merge sort, because qsort may allocate. `scratch` has n places. */
-static void sort_descending(hl_ranked *ranked, hl_ranked *scratch, int n)
+void hl_light_sort(hl_ranked *ranked, hl_ranked *scratch, int n)
 {
   hl_ranked *from = ranked, *to = scratch;
   for (int width = 1; width < n; width *= 2) {
@@ -41,7 +41,7 @@ static void order_by_pixel(struct hl_light_work *work, const hl_surface *surface
     ascending = ascending && (i == 0 || surface->pixel[i] > surface->pixel[i - 1]);
   }
   if (!ascending)
-    sort_descending(work->ranked, work->ranked + work->max_pixels, surface->n);
+    hl_light_sort(work->ranked, work->ranked + work->max_pixels, surface->n);
 }
 
 static void gather_pixel(struct hl_light_work *work, const hl_frame *frame,
@@ -116,7 +116,7 @@ static void scale_to_level(struct hl_light_work *work, const hl_surface *surface
     b->clipped += work->all.clipped[i] != 0;
   }
   const double noise = noise_of(work, surface);
-  sort_descending(work->ranked, work->ranked + work->max_pixels, n);
+  hl_light_sort(work->ranked, work->ranked + work->max_pixels, n);
   /* a tenth of the ball is lit, or less: a crescent, whose level must not be that of the dark's noise */
   find_level(work, 10);
   for (int part = 50; part <= 250 && b->level < least_level_in_noise * noise; part *= 5)

@@ -148,6 +148,11 @@ void hl_light_respond(struct hl_light_work *work, const hl_light_model *model,
     for (int b = 0; b < HL_BLOCKS; b++)
       add_block(&t, b);
   memset(out, 0, sizeof *out);
+  for (int b = 0; model->near && b < HL_BLOCKS; b++)
+    for (int v = 0; v < hl_model_nonlinear(model); v++)
+      for (int j = 0; j < 3; j++)
+        out->nearness_by_center[j] -=
+            spread->inverse[hl_model_nearness(model)][v] * t.block[b].by_center[v][j];
   for (int b = 0; b < HL_BLOCKS; b++)
     for (int u = 0; u < 2; u++)
       for (int v = 0; v < hl_model_nonlinear(model); v++) {
@@ -185,9 +190,11 @@ void hl_light_geometry(struct hl_light_work *work, const hl_light_model *model,
   const bool pose = surface->is_ball && ball->has_covariance;
   const bool follows = camera->has_covariance && hl_surface_follows(surface);
   hl_light_response r;
-  if (!pose && !camera->has_covariance)
+  if (!surface->is_ball && !camera->has_covariance)
     return;
   hl_light_respond(work, model, surface, spread, threads, &r);
+  memcpy(out->by_center, r.by_center, sizeof out->by_center);
+  memcpy(out->by_intrinsics, r.by_intrinsics, sizeof out->by_intrinsics);
   if (pose) {
     out->part_stated[HL_PART_POSE] = true;
     carry(r.by_center[0], 3, follows ? ball->held_covariance_m2[0] : ball->covariance_m2[0], 3,

@@ -11,6 +11,7 @@
 #include "halflight/export.h"
 #include "json_notes.h"
 #include "json_write.h"
+#include "light_json.h"
 
 /* M_PI is not C11 */
 static const double degrees = 180 / 3.14159265358979323846;
@@ -74,13 +75,19 @@ static json_t *light_list(const hl_light *light)
   if (!list || !light->found)
     return list;
   json_t *one = json_object();
-  const bool good = one && set(one, "direction", hl_json_reals(light->direction, 3)) &&
-                    set(one, "tangent_basis", hl_json_rows(light->tangent_basis[0], 2, 3, 3)) &&
-                    set(one, "covariance_rad2", hl_json_rows(light->covariance_rad2[0], 2, 2, 2)) &&
-                    set(one, "ellipse_95_deg", half_axes(light->ellipse_95_rad)) &&
-                    set(one, "ellipse_parts_deg", ellipse_parts(light)) &&
-                    set(one, "color", rgb(light->color, light->channels)) &&
-                    set(one, "position_m", json_null());
+  const bool good =
+      one && set(one, "direction", hl_json_reals(light->direction, 3)) &&
+      set(one, "tangent_basis", hl_json_rows(light->tangent_basis[0], 2, 3, 3)) &&
+      set(one, "covariance_rad2", hl_json_rows(light->covariance_rad2[0], 2, 2, 2)) &&
+      set(one, "ellipse_95_deg", half_axes(light->ellipse_95_rad)) &&
+      set(one, "ellipse_parts_deg", ellipse_parts(light)) &&
+      set(one, "bound_rad2", hl_json_rows(light->bound_rad2[0], 2, 2, 2)) &&
+      set(one, "efficiency", hl_json_real(light->efficiency)) &&
+      set(one, "by_center_rad_per_m", hl_json_rows(light->by_center[0], 2, 3, 3)) &&
+      set(one, "color", rgb(light->color, light->channels)) &&
+      set(one, "position_m", light->near ? hl_json_reals(light->position_m, 3) : json_null()) &&
+      set(one, "position_covariance_m2",
+          light->near ? hl_json_rows(light->position_covariance_m2[0], 3, 3, 3) : json_null());
   one = kept(one, good);
   return kept(list, good && push(list, one));
 }
@@ -184,6 +191,7 @@ static json_t *fit_object(const hl_light *light)
       set(fit, "mean_cos_view", hl_json_real(known ? light->mean_cos_view : no)) &&
       set(fit, "mean_view", known ? hl_json_reals(light->mean_view, 3) : json_null()) &&
       set(fit, "ambient", known ? rgb(light->ambient, light->channels) : json_null()) &&
+      set(fit, "backscatter", known ? hl_json_rows(light->backscatter[0], 3, 2, 2) : json_null()) &&
       set(fit, "lobe", known ? json_string(lobe_text(light->lobe)) : json_null());
   /* `evidence` is taken over only by a call that is reached */
   if (!good) {
@@ -202,7 +210,7 @@ static json_t *timing_object(const hl_timing *timing)
                    "estimate", timing->estimate_ms, "export", timing->export_ms);
 }
 
-hl_status hl_light_json(hl_ctx *ctx, const hl_light *light, const hl_timing *timing, char **out)
+json_t *hl_light_json_document(const hl_light *light, const hl_timing *timing)
 {
   const hl_notes none = {0};
   const bool trusted = light->found && light->trusted;
@@ -216,7 +224,12 @@ hl_status hl_light_json(hl_ctx *ctx, const hl_light *light, const hl_timing *tim
                     set(d, "used", used_list(light->found ? &light->used : &none)) &&
                     set(d, "left_out", hl_json_notes(light->found ? &light->left_out : &none)) &&
                     set(d, "timing_ms", timing_object(timing));
-  return hl_json_text(ctx, kept(d, good), out);
+  return kept(d, good);
+}
+
+hl_status hl_light_json(hl_ctx *ctx, const hl_light *light, const hl_timing *timing, char **out)
+{
+  return hl_json_text(ctx, hl_light_json_document(light, timing), out);
 }
 
 hl_status hl_light_json_write(hl_ctx *ctx, const char *path, const hl_light *light,

@@ -1,7 +1,7 @@
 /* The light model fitted to all pixels at one direction of light, and its derivative by it.
  *
  * For given s the model is linear in its curves x (rows: light_rows.c), so they are solved for and
- * the cost is a function of s (and the masking's exponent) alone: variable projection,
+ * the cost is a function of s (and of the masking's exponent and the light's nearness) alone: variable projection,
  *
  *   cost(s) = min_x (y - X(s)x)'W(y - X(s)x) + x'Rx.
  *
@@ -20,7 +20,7 @@
 #include "light_rows.h"
 
 static void accumulate_block(const hl_light_model *model, const hl_light_data *data,
-                             const double s[3], double exponent, hl_model_work *work, int b)
+                             const hl_model_point *at, hl_model_work *work, int b)
 {
   const int m = hl_model_border(model);
   const int n = model->has_lobe ? model->spline.n : 0;
@@ -32,10 +32,10 @@ static void accumulate_block(const hl_light_model *model, const hl_light_data *d
     hl_normal_clear(&work->block[b][k], n, m);
   for (int first = hl_block_first(data->n, b); first < end; first += HL_ROWS_CHUNK) {
     const int count = end - first < HL_ROWS_CHUNK ? end - first : HL_ROWS_CHUNK;
-    hl_rows_geometry(model, data, first, count, s, exponent, NULL, &c);
+    hl_rows_at(model, data, first, count, at, false, &c);
     for (int i = 0; i < count; i++) {
       double band[4] = {0}, border[HL_BORDER_MAX] = {0};
-      int at = 0;
+      int column = 0;
       const int p = first + i;
       if (c.lit[i] <= 0 && !model->ambient) {
         for (int k = 0; k < data->channels; k++) /* clipped in shadow: cannot be explained, costs */
@@ -43,11 +43,11 @@ static void accumulate_block(const hl_light_model *model, const hl_light_data *d
         continue;
       }
       if (n > 0) {
-        at = hl_spline_values(&model->spline, c.u[i], band);
+        column = hl_spline_values(&model->spline, c.u[i], band);
         for (int k = 0; k < 4; k++)
           band[k] *= c.lit[i] * c.g[i];
       }
-      hl_rows_border(model, c.body[i], c.nv[i], border);
+      hl_rows_border(model, &c, i, border);
       for (int k = 0; k < data->channels; k++) {
         const double weight = data->weight[k][p];
         if (data->clipped[p] >> k & 1) {
@@ -56,11 +56,11 @@ static void accumulate_block(const hl_light_model *model, const hl_light_data *d
           memcpy(r->border, border, sizeof border);
           r->weight = weight;
           r->value = data->value[k][p];
-          r->first = at;
+          r->first = column;
           r->channel = k;
           r->active = true;
         } else if (weight > 0) {
-          hl_normal_add(&work->block[b][k], at, band, border, weight, data->value[k][p]);
+          hl_normal_add(&work->block[b][k], column, band, border, weight, data->value[k][p]);
         }
       }
     }
@@ -69,30 +69,29 @@ static void accumulate_block(const hl_light_model *model, const hl_light_data *d
 }
 
 static HL_APART void accumulate_parallel(const hl_light_model *model, const hl_light_data *data,
-                                         const double s[3], double exponent, int threads,
-                                         hl_model_work *work)
+                                         const hl_model_point *at, int threads, hl_model_work *work)
 {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
   for (int b = 0; b < HL_BLOCKS; b++)
-    accumulate_block(model, data, s, exponent, work, b);
+    accumulate_block(model, data, at, work, b);
   (void)threads;
 }
 
-static void accumulate(const hl_light_model *model, const hl_light_data *data, const double s[3],
-                       double exponent, int threads, hl_model_work *work)
+static void accumulate(const hl_light_model *model, const hl_light_data *data,
+                       const hl_model_point *at, int threads, hl_model_work *work)
 {
   if (threads > 1)
-    accumulate_parallel(model, data, s, exponent, threads, work);
+    accumulate_parallel(model, data, at, threads, work);
   else
     for (int b = 0; b < HL_BLOCKS; b++)
-      accumulate_block(model, data, s, exponent, work, b);
+      accumulate_block(model, data, at, work, b);
 }
 
-void hl_model_normal(const hl_light_model *model, const hl_light_data *data, const double s[3],
-                     double exponent, int threads, hl_model_work *work, const hl_model_point *at,
+void hl_model_normal(const hl_light_model *model, const hl_light_data *data, int threads,
+                     hl_model_work *work, const hl_model_point *at,
                      hl_normal normal[HL_CHANNELS_MAX])
 {
-  accumulate(model, data, s, exponent, threads, work);
+  accumulate(model, data, at, threads, work);
   for (int c = 0; c < data->channels; c++)
     hl_censor_normal(model, data, c, at->x[c], work, &normal[c]);
 }
@@ -100,10 +99,18 @@ void hl_model_normal(const hl_light_model *model, const hl_light_data *data, con
 int hl_model_fit(const hl_light_model *model, const hl_light_data *data, const double s[3],
                  double exponent, int threads, hl_model_work *work, hl_model_point *out)
 {
-  accumulate(model, data, s, exponent, threads, work);
-  memcpy(out->s, s, sizeof out->s);
+  return hl_model_fit_near(model, data, s, exponent, 0, threads, work, out);
+}
+
+int hl_model_fit_near(const hl_light_model *model, const hl_light_data *data, const double s[3],
+                      double exponent, double nearness, int threads, hl_model_work *work,
+                      hl_model_point *out)
+{
+  memmove(out->s, s, sizeof out->s);
   out->exponent = exponent;
+  out->nearness = nearness;
   hl_tangent_basis(s, out->t[0], out->t[1]);
+  accumulate(model, data, out, threads, work);
   out->cost = model->masking ? model->exponent_weight * exponent * exponent : 0;
   for (int k = 0; k < data->channels; k++) {
     double cost = 0;
@@ -127,7 +134,7 @@ static void differentiate_block(const hl_light_model *model, const hl_light_data
   hl_rows c;
   for (int first = hl_block_first(data->n, b); first < end; first += HL_ROWS_CHUNK) {
     const int count = end - first < HL_ROWS_CHUNK ? end - first : HL_ROWS_CHUNK;
-    hl_rows_geometry(model, data, first, count, at->s, at->exponent, at->t, &c);
+    hl_rows_at(model, data, first, count, at, true, &c);
     for (int i = 0; i < count; i++) {
       const int p = first + i;
       for (int k = 0; k < data->channels; k++) {
@@ -224,7 +231,7 @@ void hl_model_predict(const hl_light_model *model, const hl_light_data *data,
   hl_rows c;
   for (int from = 0; from < count; from += HL_ROWS_CHUNK) {
     const int some = count - from < HL_ROWS_CHUNK ? count - from : HL_ROWS_CHUNK;
-    hl_rows_geometry(model, data, first + from, some, at->s, at->exponent, at->t, &c);
+    hl_rows_at(model, data, first + from, some, at, true, &c);
     for (int i = 0; i < some; i++) {
       hl_model_pixel *pixel = &out[from + i];
       double band[4] = {0}, border[HL_BORDER_MAX] = {0};

@@ -10,7 +10,7 @@
 #include "normal_equations.h"
 
 enum {
-  HL_NONLINEAR_MAX = 3, /* two tangent coordinates of s, and the masking's exponent */
+  HL_NONLINEAR_MAX = 4, /* two tangent coordinates of s, the masking's exponent, the nearness */
   HL_SYSTEM_MAX = (HL_NONLINEAR_MAX * (HL_NONLINEAR_MAX + 1)) / 2
 };
 enum { HL_BLOCKS = 16 }; /* fixed, so that sums do not depend on the number of threads */
@@ -35,19 +35,33 @@ typedef struct hl_light_model {
   bool masking;  /* the lobe is shadowed and masked, by one exponent */
   int body;      /* 1: Lambert; 3: Lambert, n.s n.v and (n.s)^2 */
   bool ambient;
-  double exponent_weight;              /* pulls the masking's exponent to 0 */
+  bool backscatter;       /* a lobe about the view: D (n.v)^4 and D (n.v)^16 */
+  bool near;              /* the light is at a finite distance from the ball's centre */
+  double exponent_weight; /* pulls the masking's exponent to 0 */
   double body_weight[HL_CHANNELS_MAX]; /* pulls the body's further columns to 0 */
   hl_spline spline;                    /* over the chord u = |n - h| = 2 sin(angle / 2) */
 } hl_light_model;
 
 static inline int hl_model_nonlinear(const hl_light_model *model)
 {
-  return 2 + (model->masking ? 1 : 0);
+  return 2 + (model->masking ? 1 : 0) + (model->near ? 1 : 0);
+}
+
+/* Place of the nearness among the nonlinear parameters of a near model: the last. */
+static inline int hl_model_nearness(const hl_light_model *model)
+{
+  return model->masking ? 3 : 2;
+}
+
+/* Border columns that shade with the light: the body's, then the backscatter's. */
+static inline int hl_model_shaded(const hl_light_model *model)
+{
+  return model->body + (model->backscatter ? 2 : 0);
 }
 
 static inline int hl_model_border(const hl_light_model *model)
 {
-  return model->body + (model->ambient ? 1 : 0);
+  return hl_model_shaded(model) + (model->ambient ? 1 : 0);
 }
 
 /* A clipped sample's row, kept for the rounds of censoring. */
@@ -65,6 +79,7 @@ typedef struct hl_model_point {
   double x[HL_CHANNELS_MAX][HL_COLUMNS_MAX]; /* curves */
   hl_normal_factor factor[HL_CHANNELS_MAX];
   double exponent; /* of the masking */
+  double nearness; /* the ball's radius over the light's distance from its centre; 0 = distant */
   double cost;     /* r' W r */
 } hl_model_point;
 
@@ -83,13 +98,17 @@ typedef struct hl_model_work {
 /* Best curves at s; -1 where they cannot be had. Cost O(pixels). */
 int hl_model_fit(const hl_light_model *model, const hl_light_data *data, const double s[3],
                  double exponent, int threads, hl_model_work *work, hl_model_point *out);
+/* The same for a light at a finite distance; hl_model_fit is the one at nearness 0. */
+int hl_model_fit_near(const hl_light_model *model, const hl_light_data *data, const double s[3],
+                      double exponent, double nearness, int threads, hl_model_work *work,
+                      hl_model_point *out);
 
-/* The normal equations a channel at s, clipped samples that pull at `at` included. */
-void hl_model_normal(const hl_light_model *model, const hl_light_data *data, const double s[3],
-                     double exponent, int threads, hl_model_work *work, const hl_model_point *at,
+/* The normal equations a channel at the point, clipped samples that pull there included. */
+void hl_model_normal(const hl_light_model *model, const hl_light_data *data, int threads,
+                     hl_model_work *work, const hl_model_point *at,
                      hl_normal normal[HL_CHANNELS_MAX]);
 
-/* Gauss-Newton system of the two tangent coordinates with the curves profiled out (Kaufman). */
+/* Gauss-Newton system of the nonlinear parameters with the curves profiled out (Kaufman). */
 typedef struct hl_model_step {
   double gradient[HL_NONLINEAR_MAX];                  /* D' W r */
   double hessian[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX]; /* D' P D */

@@ -8,9 +8,7 @@
 
 static const double deg = 57.295779513082320877;
 static const double least_contrast = 0.02; /* of the median: flatter frames show no shading */
-static const double least_explained = 0.6; /* of the variance */
-static const double all_clipped = 0.95, most_clipped = 0.7; /* of the lit pixels */
-static const double widest_ellipse_deg = 5;
+static const double all_clipped = 0.95;    /* of the lit pixels */
 static const int least_pixels = 60;
 
 bool hl_light_hopeless(const struct hl_light_work *work, const hl_frame *frame, hl_light *out)
@@ -79,8 +77,44 @@ static void note_geometry(const hl_surface *surface, hl_light *out)
                  "the pose stays: it does not say how it depends on the camera");
 }
 
+/* A term in `used` or `left_out`, with its figure. */
+static void note_term(const hl_light_settled *settled, const hl_light_settings *settings,
+                      hl_light_term which, hl_light *out)
+{
+  const hl_term_verdict *v = &settled->term[which];
+  const char *name = hl_light_term_name(which);
+  const char *what = which == HL_LIGHT_AMBIENT ? "gain" : "of the misfit it saves";
+  if (settled->on >> which & 1) {
+    if (settings->with >> which & 1)
+      hl_notes_add(&out->used, name, "%s %.2f %%; asked for", what, 100 * v->gain);
+    else
+      hl_notes_add(&out->used, name, "%s %.2f %%, above %.3g %%", what, 100 * v->gain,
+                   100 * v->least);
+  } else if (v->unfit)
+    hl_notes_add(&out->left_out, name, "%s", v->unfit);
+  else if (which == HL_LIGHT_AMBIENT && !(settled->dark_share >= 0.002))
+    hl_notes_add(&out->left_out, name, "no part of the ball is in shadow to show it");
+  else
+    hl_notes_add(&out->left_out, name, "%s%s %.2f %% < %.3g %%", what,
+                 v->screened ? ", predicted," : "", 100 * v->gain, 100 * v->least);
+}
+
+static void note_colored(const hl_light_settled *settled, hl_light *out)
+{
+  const hl_term_verdict *v = &settled->term[HL_LIGHT_COLORED_LOBE];
+  const char *name = hl_light_term_name(HL_LIGHT_COLORED_LOBE);
+  if (settled->on >> HL_LIGHT_COLORED_LOBE & 1)
+    hl_notes_add(&out->used, name, "lobes of one shape would lose %.2f %%", 100 * v->gain);
+  else if (v->unfit)
+    hl_notes_add(&out->left_out, name, "%s", v->unfit);
+  else
+    hl_notes_add(&out->left_out, name,
+                 "gain %.2f %% < %.3g %%: the channels' lobes, fitted apart, agree in shape",
+                 100 * v->gain, 100 * v->least);
+}
+
 static void note_terms(const struct hl_light_work *work, const hl_light_settled *settled,
-                       hl_light *out)
+                       const hl_light_settings *settings, hl_light *out)
 {
   const hl_light_variant *kept = &settled->variant[settled->kept];
   const hl_light_model *m = &kept->model;
@@ -98,7 +132,13 @@ static void note_terms(const struct hl_light_work *work, const hl_light_settled 
                    settled->kind_ratio);
     else
       hl_notes_add(&out->left_out, other, "not asked for");
-    if (m->body > 1)
+    if (settings->without >> HL_LIGHT_BENDS & 1)
+      hl_notes_add(&out->left_out, "masking and bent body", "not asked for");
+    else if (m->body > 1 && settings->with >> HL_LIGHT_BENDS & 1)
+      hl_notes_add(&out->used, "masking and bent body",
+                   "gain %.2f %%; asked for; masking exponent %.2f", 100 * settled->bent_gain,
+                   kept->exponent);
+    else if (m->body > 1)
       hl_notes_add(&out->used, "masking and bent body",
                    "gain %.2f %%, above 2 %%; masking exponent %.2f", 100 * settled->bent_gain,
                    kept->exponent);
@@ -111,56 +151,29 @@ static void note_terms(const struct hl_light_work *work, const hl_light_settled 
     hl_notes_add(&out->left_out, "lobe", "gain %.2f %% < 2 %%: the ball is matte",
                  100 * settled->lobe_gain);
   }
-  if (m->ambient)
-    hl_notes_add(&out->used, "ambient", "gain %.2f %%, above 0.5 %%", 100 * settled->ambient_gain);
-  else if (!(settled->dark_share >= 0.002))
-    hl_notes_add(&out->left_out, "ambient", "no part of the ball is in shadow to show it");
-  else
-    hl_notes_add(&out->left_out, "ambient", "gain %.2f %% < 0.5 %%", 100 * settled->ambient_gain);
+  note_term(settled, settings, HL_LIGHT_AMBIENT, out);
+  note_term(settled, settings, HL_LIGHT_NEAR, out);
+  note_term(settled, settings, HL_LIGHT_BACKSCATTER, out);
+  note_colored(settled, out);
+  hl_notes_add(&out->left_out, hl_light_term_name(HL_LIGHT_RESPONSE),
+               "not tried: one frame cannot tell it from the free curves of lobe and body");
   if (work->brightness.clipped > 0)
     hl_notes_add(&out->used, "censored clipping", "%d pixels say `at least this much'",
                  work->brightness.clipped);
   if (settled->outliers > 0)
     hl_notes_add(&out->used, "outlier rejection", "%d pixels left out", settled->outliers);
+  else if (settings->without >> HL_LIGHT_OUTLIERS & 1)
+    hl_notes_add(&out->left_out, "outlier rejection", "not asked for");
   else
     hl_notes_add(&out->left_out, "outlier rejection", "no pixel stands out");
 }
 
-static void judge(const struct hl_light_work *work, const hl_light_settled *settled,
-                  const hl_light_spread *spread, hl_light *out)
-{
-  const hl_light_brightness *b = &work->brightness;
-  const hl_light_variant *kept = &settled->variant[settled->kept];
-  const double clipped = b->lit > 0 ? (double)b->clipped / b->lit : 1;
-  if (clipped > most_clipped)
-    hl_notes_add(&out->reasons, "clipped", "%.0f %% of the lit pixels are clipped: expose less",
-                 100 * clipped);
-  if (!(spread->explained > least_explained))
-    hl_notes_add(&out->reasons, "model",
-                 "the model explains %.0f %% of the ball's variation only: not a ball of one "
-                 "material under one light, or a wrong pose",
-                 100 * fmax(0, spread->explained));
-  if (!kept->converged)
-    hl_notes_add(&out->reasons, "not converged",
-                 "the direction still moved after the last iteration");
-  if (!(out->ellipse_95_rad[0] * deg < widest_ellipse_deg))
-    hl_notes_add(&out->reasons, "uncertain",
-                 "the direction is known to %.1f deg only (95 %%): a larger or glossier ball, or "
-                 "less noise, is needed",
-                 out->ellipse_95_rad[0] * deg);
-  if (settled->outliers > work->all.n / 4)
-    hl_notes_add(&out->reasons, "outliers",
-                 "%.0f %% of the pixels do not fit: something covers "
-                 "the ball, or the room is reflected in it",
-                 100.0 * settled->outliers / work->all.n);
-  out->trusted = out->reasons.n == 0;
-}
-
 void hl_light_notes(const struct hl_light_work *work, const hl_light_settled *settled,
-                    const hl_light_spread *spread, const hl_surface *surface, hl_light *out)
+                    const hl_light_spread *spread, const hl_surface *surface,
+                    const hl_light_settings *settings, hl_light *out)
 {
   identify(settled, out);
-  note_terms(work, settled, out);
+  note_terms(work, settled, settings, out);
   note_geometry(surface, out);
-  judge(work, settled, spread, out);
+  hl_light_judge(work, settled, spread, out);
 }

@@ -14,11 +14,14 @@
 
 enum { HALVINGS = 8 };
 static const double longest_step_rad = 0.2;
-static const double longest_exponent_step = 0.5;
+static const double longest_exponent_step = 0.5, longest_nearness_step = 0.1;
+/* At 1 the light would touch the ball. */
+static const double largest_nearness = 0.8;
 
 /* Cholesky of the damped system; the direction's part is limited in length. */
-static void gauss_newton_step(const hl_model_step *q, int n, double *delta)
+static void gauss_newton_step(const hl_light_model *model, const hl_model_step *q, double *delta)
 {
+  const int n = hl_model_nonlinear(model);
   double l[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX];
   const double damp = 1e-9 * (q->hessian[0][0] + q->hessian[1][1]) + 1e-300;
   for (int i = 0; i < n; i++) {
@@ -43,8 +46,11 @@ static void gauss_newton_step(const hl_model_step *q, int n, double *delta)
   }
   const double length = hypot(delta[0], delta[1]);
   double k = length > longest_step_rad ? longest_step_rad / length : 1;
-  if (n > 2 && fabs(delta[2]) * k > longest_exponent_step)
+  if (model->masking && fabs(delta[2]) * k > longest_exponent_step)
     k = longest_exponent_step / fabs(delta[2]);
+  const double nearer = model->near ? fabs(delta[hl_model_nearness(model)]) : 0;
+  if (nearer * k > longest_nearness_step)
+    k = longest_nearness_step / nearer;
   for (int i = 0; i < n; i++)
     delta[i] *= k;
 }
@@ -71,7 +77,9 @@ static bool descend(const hl_light_model *model, const hl_light_data *data,
     hl_add_scaled(s, delta[1], at->t[1], s);
     hl_unit(s, s);
     const double exponent = model->masking ? at->exponent + delta[2] : 0;
-    if (hl_model_fit(model, data, s, exponent, threads, work, trial) == 0 &&
+    double nearness = model->near ? at->nearness + delta[hl_model_nearness(model)] : 0;
+    nearness = nearness < largest_nearness ? nearness : largest_nearness;
+    if (hl_model_fit_near(model, data, s, exponent, nearness, threads, work, trial) == 0 &&
         trial->cost <= at->cost)
       return true;
     if (hypot(delta[0], delta[1]) < tolerance_rad)
@@ -90,15 +98,15 @@ int hl_light_refine(const hl_light_model *model, const hl_light_data *data, int 
   out->iterations = 0;
   out->converged = false;
   work->keep_smoothing = false;
-  if (hl_model_fit(model, data, start, model->masking ? out->at.exponent : 0, threads, work,
-                   &out->at) != 0)
+  if (hl_model_fit_near(model, data, start, model->masking ? out->at.exponent : 0,
+                        model->near ? out->at.nearness : 0, threads, work, &out->at) != 0)
     return -1;
   work->keep_smoothing = true;
   while (out->iterations < max_iterations && !out->converged) {
     double delta[HL_NONLINEAR_MAX] = {0};
     out->iterations++;
     hl_model_differentiate(model, data, &out->at, threads, work, &out->step);
-    gauss_newton_step(&out->step, hl_model_nonlinear(model), delta);
+    gauss_newton_step(model, &out->step, delta);
     const bool negligible = is_negligible(&out->step, hl_model_nonlinear(model), delta, data->n);
     const bool lower =
         descend(model, data, &out->at, delta, tolerance_rad, threads, work, &work->trial);

@@ -11,7 +11,7 @@ typedef struct hl_refined {
   bool converged; /* the last step was below the tolerance */
 } hl_refined;
 
-/* From out->at.s (unit) downhill to a tolerance [rad]; -1 where the model cannot be fitted at all.
+/* From out->at.s (unit), its exponent and nearness as far as the model has them, downhill to a tolerance [rad]; -1 where the model cannot be fitted at all.
  */
 int hl_light_refine(const hl_light_model *model, const hl_light_data *data, int max_iterations,
                     double tolerance_rad, int threads, hl_model_work *work, hl_refined *out);

@@ -8,48 +8,94 @@
 
 enum { HL_ROWS_CHUNK = 64 };
 
-/* The geometry of the rows, and its slopes along both tangents of s. */
+/* The geometry of the rows, and its slopes along both tangents of s and, where the light is near, by its
+ * nearness. */
+enum { HL_ROWS_SLOPES = 3 };
 typedef struct hl_rows {
-  double u[HL_ROWS_CHUNK], du[2][HL_ROWS_CHUNK];
-  double lit[HL_ROWS_CHUNK], dlit[2][HL_ROWS_CHUNK];
-  double g[HL_ROWS_CHUNK], dg[2][HL_ROWS_CHUNK];
+  double u[HL_ROWS_CHUNK], du[HL_ROWS_SLOPES][HL_ROWS_CHUNK];
+  double lit[HL_ROWS_CHUNK], dlit[HL_ROWS_SLOPES][HL_ROWS_CHUNK]; /* a near light's times fall */
+  double g[HL_ROWS_CHUNK], dg[HL_ROWS_SLOPES][HL_ROWS_CHUNK];
   double masking[HL_ROWS_CHUNK]; /* log M */
-  double body[HL_ROWS_CHUNK], dbody[2][HL_ROWS_CHUNK], nv[HL_ROWS_CHUNK];
+  double body[HL_ROWS_CHUNK], dbody[HL_ROWS_SLOPES][HL_ROWS_CHUNK], nv[HL_ROWS_CHUNK];
+  double fall[HL_ROWS_CHUNK], dfall[HL_ROWS_SLOPES][HL_ROWS_CHUNK]; /* of a near light alone */
 } hl_rows;
 
-/* Pixels first .. first + count - 1, count <= HL_ROWS_CHUNK; t NULL: no slopes. */
+/* A distant light. Pixels first .. first + count - 1, count <= HL_ROWS_CHUNK; t NULL: no slopes. */
 void hl_rows_geometry(const hl_light_model *model, const hl_light_data *data, int first, int count,
                       const double s[3], double exponent, const double (*t)[3], hl_rows *rows);
 
-/* Body's columns D, D n.v, D^2: value and slope by D. */
-static inline double hl_rows_body(int j, double d, double nv, double *rate)
+/* light_rows_near.c: the same of a light at a finite distance. */
+void hl_rows_near(const hl_light_model *model, const hl_light_data *data, int first, int count,
+                  const hl_model_point *at, bool slopes, hl_rows *rows);
+
+static inline void hl_rows_at(const hl_light_model *model, const hl_light_data *data, int first,
+                              int count, const hl_model_point *at, bool slopes, hl_rows *rows)
 {
-  switch (j) {
+  if (model->near)
+    hl_rows_near(model, data, first, count, at, slopes, rows);
+  else
+    hl_rows_geometry(model, data, first, count, at->s, at->exponent, slopes ? at->t : NULL, rows);
+}
+
+/* Columns that shade with the light, D, D n.v, D^2, then D (n.v)^4, D (n.v)^16: value, slope by D. */
+static inline double hl_rows_shaded(const hl_light_model *model, int j, double d, double nv,
+                                    double *rate)
+{
+  const double square = nv * nv, fourth = square * square, eighth = fourth * fourth;
+  switch (j < model->body ? j : 3 + j - model->body) {
   case 0:
     *rate = 1;
     return d;
   case 1:
     *rate = nv;
     return d * nv;
-  default:
+  case 2:
     *rate = 2 * d;
     return d * d;
+  case 3:
+    *rate = fourth;
+    return d * fourth;
+  default:
+    *rate = eighth * eighth;
+    return d * *rate;
   }
 }
 
-static inline void hl_rows_border(const hl_light_model *model, double body, double nv,
+static inline void hl_rows_border(const hl_light_model *model, const hl_rows *c, int i,
                                   double border[HL_BORDER_MAX])
 {
+  const int shaded = hl_model_shaded(model);
   double rate;
-  int j = 0;
-  for (; j < model->body; j++)
-    border[j] = hl_rows_body(j, body, nv, &rate);
+  for (int j = 0; j < shaded; j++)
+    border[j] = hl_rows_shaded(model, j, c->body[i], c->nv[i], &rate);
+  if (model->near)
+    for (int j = 0; j < shaded; j++)
+      border[j] *= c->fall[i];
   if (model->ambient)
-    border[j] = 1;
+    border[shaded] = 1;
 }
 
-/* Value of the row times x, and its slopes along both tangents with x held. `steepness`, where not
- * NULL, receives the length of the lobe's own slope, the shadow's edge apart. */
+/* Slopes of the shaded columns times x, which starts at the border. */
+static inline void hl_rows_shading_slopes(const hl_light_model *model, const hl_rows *c, int i,
+                                          const double *x, double *slope)
+{
+  const int last = hl_model_nearness(model);
+  for (int j = 0; j < hl_model_shaded(model); j++) {
+    double rate;
+    const double bare = hl_rows_shaded(model, j, c->body[i], c->nv[i], &rate);
+    if (!model->near) {
+      for (int k = 0; k < 2; k++)
+        slope[k] += rate * c->dbody[k][i] * x[j];
+      continue;
+    }
+    for (int k = 0; k < HL_ROWS_SLOPES; k++)
+      slope[k < 2 ? k : last] +=
+          (c->fall[i] * rate * c->dbody[k][i] + c->dfall[k][i] * bare) * x[j];
+  }
+}
+
+/* Value of the row times x, and its slopes by the nonlinear parameters with x held. `steepness`, where
+ * not NULL, receives the length of the lobe's own slope, the shadow's edge apart. */
 static inline double hl_rows_predict(const hl_light_model *model, const hl_rows *c, int i,
                                      const double *x, int *at, double band[4],
                                      double border[HL_BORDER_MAX], double *slope, double *steepness)
@@ -69,24 +115,19 @@ static inline double hl_rows_predict(const hl_light_model *model, const hl_rows 
       band[k] *= c->lit[i] * c->g[i];
     }
     sum += c->lit[i] * c->g[i] * lobe;
-    for (int k = 0; k < 2; k++)
-      slope[k] += c->lit[i] * c->g[i] * lobe_rate * c->du[k][i] +
-                  (c->dlit[k][i] * c->g[i] + c->lit[i] * c->dg[k][i]) * lobe;
+    for (int k = 0; k < (model->near ? HL_ROWS_SLOPES : 2); k++)
+      slope[k < 2 ? k : hl_model_nearness(model)] +=
+          c->lit[i] * c->g[i] * lobe_rate * c->du[k][i] +
+          (c->dlit[k][i] * c->g[i] + c->lit[i] * c->dg[k][i]) * lobe;
     if (steepness)
       *steepness = fabs(c->lit[i] * c->g[i] * lobe_rate) * hypot(c->du[0][i], c->du[1][i]);
     if (model->masking)
       slope[2] = c->lit[i] * c->g[i] * lobe * c->masking[i];
   }
-  hl_rows_border(model, c->body[i], c->nv[i], border);
-  for (int j = 0; j < m; j++) {
+  hl_rows_border(model, c, i, border);
+  for (int j = 0; j < m; j++)
     sum += border[j] * x[n + j];
-    if (j < model->body) {
-      double rate;
-      hl_rows_body(j, c->body[i], c->nv[i], &rate);
-      for (int k = 0; k < 2; k++)
-        slope[k] += rate * c->dbody[k][i] * x[n + j];
-    }
-  }
+  hl_rows_shading_slopes(model, c, i, x + n, slope);
   return sum;
 }
 

@@ -27,10 +27,8 @@ static const double structured_ratio = 2.5;
 static const double lit_share = 0.02; /* of level */
 static const double defensible_ratio = 0.25, coarse_weight = 0.5;
 
-/* Inverse of a symmetric positive definite n x n, n <= 3; a zero pivot is lifted to 1e-12 of its
- * own. */
-static void invert(const double a[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX], int n,
-                   double out[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX])
+void hl_light_invert(const double a[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX], int n,
+                     double out[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX])
 {
   double l[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX] = {{0}};
   for (int i = 0; i < n; i++)
@@ -63,6 +61,20 @@ static void sandwich(double h[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX],
 {
   for (int i = 0; i < 2; i++)
     for (int j = 0; j < 2; j++) {
+      out[i][j] = 0;
+      for (int p = 0; p < n; p++)
+        for (int q = 0; q < n; q++)
+          out[i][j] += h[i][p] * m[p][q] * h[q][j];
+    }
+}
+
+/* H^-1 M H^-1 of all that is fitted. */
+static void sandwich_all(double h[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX],
+                         double m[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX], int n,
+                         double out[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX])
+{
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
       out[i][j] = 0;
       for (int p = 0; p < n; p++)
         for (int q = 0; q < n; q++)
@@ -242,7 +254,9 @@ static void model_share(const struct hl_light_work *work, const hl_light_settled
     const double weight =
         coarse ? coarse_weight
                : exp(-fmax(0, settled->variant[i].cost / cost - 1) / defensible_ratio);
-    const double delta[2] = {hl_dot(s, at->t[0]), hl_dot(s, at->t[1])};
+    double moved[3];
+    hl_add_scaled(s, -1, settled->compared_s, moved);
+    const double delta[2] = {hl_dot(moved, at->t[0]), hl_dot(moved, at->t[1])};
     for (int u = 0; u < 2; u++)
       for (int v = 0; v < 2; v++)
         sum[u][v] += weight * delta[u] * delta[v];
@@ -251,6 +265,36 @@ static void model_share(const struct hl_light_work *work, const hl_light_settled
   for (int u = 0; u < 2; u++)
     for (int v = 0; v < 2; v++)
       out[u][v] += sum[u][v] / total;
+}
+
+/* Chi-square that chance exceeds once in 1000 (Wilson and Hilferty). */
+static double rare_chi2(int freedom)
+{
+  const double q = 2 / (9.0 * freedom);
+  return freedom * pow(1 - q + 3.09 * sqrt(q), 3);
+}
+
+/* Bends that the noise alone would not ask for, yet too slight to be kept: what the answer would move by
+ * with them. */
+static void slight_bends(const struct hl_light_work *work, const hl_light_settled *settled,
+                         double out[2][2])
+{
+  const hl_light_variant *kept = &settled->variant[settled->kept];
+  if (!kept->model.has_lobe || kept->model.masking)
+    return;
+  const hl_light_variant *bent =
+      &settled->variant[kept->model.lobe == HL_LOBE_PLAIN ? HL_VARIANT_PLAIN_BENT
+                                                          : HL_VARIANT_FORESHORTENED_BENT];
+  const int channels = work->all.channels;
+  if (!isfinite(bent->cost) ||
+      !(settled->bent_gain * work->all.n * channels > rare_chi2(1 + 2 * channels)))
+    return;
+  double moved[3];
+  hl_add_scaled(bent->s, -1, settled->compared_s, moved);
+  const double delta[2] = {hl_dot(moved, work->best.at.t[0]), hl_dot(moved, work->best.at.t[1])};
+  for (int u = 0; u < 2; u++)
+    for (int v = 0; v < 2; v++)
+      out[u][v] += delta[u] * delta[v];
 }
 
 void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
@@ -279,15 +323,18 @@ void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
   pixel_products(work->noise, d->n, q, noise);
   tile_products(work, surface, q, tiles);
   memset(out, 0, sizeof *out);
-  invert(s.h, q, out->inverse);
+  hl_light_invert((const double(*)[HL_NONLINEAR_MAX])s.h, q, out->inverse);
   sandwich(out->inverse, white, q, by_pixel);
   sandwich(out->inverse, tiles, q, by_tile);
   out->structure = relative_size(by_tile, by_pixel);
   memcpy(out->noise, by_pixel, sizeof out->noise);
+  sandwich_all(out->inverse, out->structure > structured_ratio ? tiles : white, q, out->joint);
   if (out->structure > structured_ratio) {
     sandwich(out->inverse, noise, q, by_noise);
     split(by_tile, by_noise, out);
     model_share(work, settled, out->model);
+  } else {
+    slight_bends(work, settled, out->model);
   }
   const double half = 0.5 * (s.h[0][0] + s.h[1][1]);
   const double root = sqrt(fmax(0, half * half - s.h[0][0] * s.h[1][1] + s.h[0][1] * s.h[0][1]));

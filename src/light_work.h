@@ -35,7 +35,8 @@ struct hl_light_work {
   uint8_t *outlier;                     /* shape (max_pixels): 1 = left out */
   double *area[HL_CHANNELS_MAX];        /* shape (max_pixels): taken off `all`'s values */
   float *predicted, *measured, *weight; /* shape (max_pixels) */
-  hl_refined refined, best;
+  hl_refined refined, best, restore;
+  hl_light_model kept; /* of the last estimate */
 };
 
 /* Whether gathered pixels i - 1, i, i + 1 are neighbours in a row of the frame, none of them clipped. */
@@ -57,6 +58,8 @@ typedef struct hl_light_noise {
 /* light_gather.c: frame and surface into work; HL_ERR_ARG where they do not fit each other. */
 hl_status hl_light_gather(hl_ctx *ctx, struct hl_light_work *work, const hl_frame *frame,
                           const hl_surface *surface);
+/* Largest key first, ties in place; `scratch` has n places. */
+void hl_light_sort(hl_ranked *ranked, hl_ranked *scratch, int n);
 void hl_light_weigh(hl_light_data *data, hl_light_noise noise, const uint8_t *outlier);
 
 /* light_search.c: directions worth refining, best first. */
@@ -71,11 +74,12 @@ int hl_light_search(struct hl_light_work *work, const hl_light_settings *setting
 void hl_light_bring_to_middle(struct hl_light_work *work, const hl_light_model *model,
                               const hl_surface *surface, int threads);
 
-/* light_settle.c: which terms the frame needs, and the direction with them. */
+/* light_shape.c, light_terms.c, light_settle.c: which terms the frame needs, and the direction with them.
+ */
 typedef struct hl_light_variant {
   hl_light_model model;
   double s[3];
-  double exponent;
+  double exponent, nearness;
   double cost; /* infinite: not tried */
   bool converged;
 } hl_light_variant;
@@ -90,18 +94,53 @@ typedef enum hl_variant {
   HL_VARIANTS
 } hl_variant;
 
+/* What came of trying a term. */
+typedef struct hl_term_verdict {
+  double gain;       /* share of the cost that it saves */
+  double least;      /* that it must save */
+  bool screened;     /* the gain is predicted, too small to try */
+  const char *unfit; /* why it was not judged, static; NULL: it was */
+} hl_term_verdict;
+
 typedef struct hl_light_settled {
   hl_light_variant variant[HL_VARIANTS];
   hl_variant kept;
   int iterations;
   int outliers;
-  double coarse_s[3];                        /* the answer under relative weights */
-  bool ambient;                              /* every variant has the constant */
-  double noise_cost;                         /* what noise alone would leave */
-  double bent_gain, ambient_gain, lobe_gain; /* share of the cost each saved */
-  double kind_ratio; /* cost of the other kind of lobe over the kept one's */
-  double dark_share; /* of the pixels: only they can show an ambient light */
+  int concentrated;     /* of them, that hl_light_concentrate found: 0 = it was not needed */
+  double compared_s[3]; /* the kept one's as the others' were had */
+  double coarse_s[3];   /* the answer under relative weights */
+  unsigned on;          /* bit t: every variant has term t */
+  hl_term_verdict term[HL_LIGHT_TERMS];
+  double nearness;             /* where a near light's variants start */
+  double noise_cost;           /* what noise alone would leave */
+  double bent_gain, lobe_gain; /* share of the cost each saved */
+  double kind_ratio;           /* cost of the other kind of lobe over the kept one's */
+  double dark_share;           /* of the pixels: only they can show an ambient light */
 } hl_light_settled;
+/* The weights of everything after the search. */
+extern const hl_light_noise hl_light_final_noise;
+/* Share of the cost that a richer model saves; none where what is left is beyond any camera. */
+double hl_light_gain(const struct hl_light_work *work, double without, double with);
+/* What noise alone would make a model with so many more columns a channel save, some times over. */
+double hl_light_noise_gain(const struct hl_light_work *work, int columns);
+void hl_light_switch_on(unsigned on, hl_light_model *model);
+/* Each round follows with the breaks; to compare variants one is enough. */
+hl_status hl_light_refine_variant(struct hl_light_work *work, const hl_light_settings *settings,
+                                  const double s[3], int rounds, hl_light_variant *variant);
+/* Lobe and bends with the terms out->on; out->kept is the one chosen. */
+void hl_light_shape(struct hl_light_work *work, const hl_light_settings *settings,
+                    const double start[2][3], hl_light_settled *out);
+/* Looks for pixels that pull the fit at work->best towards them, as a label does, marks them in
+ * work->outlier and returns how many; work->best is then the fit without them. */
+int hl_light_concentrate(struct hl_light_work *work, const hl_light_settings *settings,
+                         const hl_light_settled *settled);
+/* Once that found some: marks anew what deviates by far more than the median. Returns how many. */
+int hl_light_mark_beyond(struct hl_light_work *work, const hl_light_model *model);
+/* Marks in work->outlier the pixels whose residual no part of the model's stated error explains, by the
+ * fit at work->best. Returns how many. */
+int hl_light_mark_outliers(struct hl_light_work *work, const hl_light_model *model, double sigmas);
+
 /* work->best is left at the answer; HL_ERR_DEGENERATE where no model can be fitted. */
 hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surface *surface,
                           const hl_light_settings *settings, const double start[2][3],
@@ -111,6 +150,7 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
 typedef struct hl_light_spread {
   double noise[2][2], model[2][2];                    /* in work->best's tangents */
   double inverse[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX]; /* of the information matrix H */
+  double joint[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX];   /* noise and model, of all that is fitted */
   double structure; /* misfit correlated over the ball: clustered over white variance */
   double condition;
   double highlight_share;
@@ -120,10 +160,23 @@ void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
                           const hl_light_model *model, const hl_light_settled *settled, int threads,
                           hl_light_spread *out);
 
+/* Inverse of a symmetric positive definite n x n, n <= HL_NONLINEAR_MAX; a zero pivot is lifted to 1e-12 of its own. */
+void hl_light_invert(const double a[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX], int n,
+                     double out[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX]);
+
+/* light_bound.c: puts 1 / the pixels' own noise in place of the fit's weights, from the residual of
+ * work->best. */
+void hl_light_noise_weights(struct hl_light_work *work, const hl_light_model *model,
+                            const hl_surface *surface);
+/* Fills bound_rad2 and efficiency from part_rad2; the weights are the noise's own afterwards. */
+void hl_light_bound(struct hl_light_work *work, const hl_light_model *model,
+                    const hl_surface *surface, int threads, hl_light *out);
+
 /* light_geometry.c: how the direction moves, in work->best's tangents, as the ball's centre [1/m] and,
  * where the camera states a covariance, as its intrinsics do, the centre held. */
 typedef struct hl_light_response {
   double by_center[2][3];
+  double nearness_by_center[3]; /* of a near light: how its nearness moves [1/m] */
   double by_intrinsics[2][HL_INTRINSICS_MAX];
 } hl_light_response;
 void hl_light_respond(struct hl_light_work *work, const hl_light_model *model,
@@ -136,13 +189,28 @@ void hl_light_geometry(struct hl_light_work *work, const hl_light_model *model,
                        const hl_surface *surface, const hl_light_spread *spread, int threads,
                        hl_light *out);
 
+/* light_colored.c: what the fit at work->best would cost more, were all channels' lobes of one shape; 0
+ * where there are no two channels or no lobe. */
+double hl_light_one_shape(struct hl_light_work *work, const hl_light_model *model, int threads);
+
+/* light_position.c: a near light's position and covariance; nothing of a distant one's. */
+void hl_light_position(struct hl_light_work *work, const hl_light_model *model,
+                       const hl_surface *surface, const hl_light_spread *spread, int threads,
+                       hl_light *out);
+
 /* light_curves.c */
 void hl_light_curves(struct hl_light_work *work, const hl_light_model *model, int threads,
                      hl_light *out);
 
 /* light_notes.c */
 void hl_light_notes(const struct hl_light_work *work, const hl_light_settled *settled,
-                    const hl_light_spread *spread, const hl_surface *surface, hl_light *out);
+                    const hl_light_spread *spread, const hl_surface *surface,
+                    const hl_light_settings *settings, hl_light *out);
+/* light_reasons.c: fills reasons and trusted; everything else of `out` is known. */
+void hl_light_judge(const struct hl_light_work *work, const hl_light_settled *settled,
+                    const hl_light_spread *spread, hl_light *out);
+/* light.c: angle from the highlight out to which pixels are clipped, all but the last few; 0: none. */
+double hl_light_clipped_to(const struct hl_light_work *work);
 /* Fills reasons and returns true where the frame cannot tell a direction at all. */
 bool hl_light_hopeless(const struct hl_light_work *work, const hl_frame *frame, hl_light *out);
 

@@ -4,7 +4,8 @@
 
 #include "spline.h"
 
-enum { HL_BORDER_MAX = 4, HL_COLUMNS_MAX = HL_SPLINE_MAX + HL_BORDER_MAX };
+/* Most models have a border of HL_BORDER_USUAL columns or fewer, and pay for no more. */
+enum { HL_BORDER_USUAL = 4, HL_BORDER_MAX = 6, HL_COLUMNS_MAX = HL_SPLINE_MAX + HL_BORDER_MAX };
 
 typedef struct hl_normal {
   int n, m;                      /* band and border columns */
@@ -28,9 +29,9 @@ typedef struct hl_normal_factor {
 void hl_normal_clear(hl_normal *a, int n, int m);
 void hl_normal_merge(hl_normal *a, const hl_normal *b);
 
-/* One row: four band values from column `first`, the border's (0 beyond m), weight and datum. */
-static inline void hl_normal_add(hl_normal *a, int first, const double band[4],
-                                 const double border[HL_BORDER_MAX], double weight, double y)
+/* hl_normal_add with a border of `width` columns, a constant where it is called. */
+static inline void hl_normal_add_wide(hl_normal *a, int first, const double band[4],
+                                      const double *border, int width, double weight, double y)
 {
   const double wy = weight * y;
   double wb[4];
@@ -43,15 +44,25 @@ static inline void hl_normal_add(hl_normal *a, int first, const double band[4],
       a->band[first + k][l - k] += wb[k] * band[l];
   /* all columns, zero or not: a fixed count is what the compiler can make vectors of */
   for (int k = 0; k < 4; k++)
-    for (int j = 0; j < HL_BORDER_MAX; j++)
+    for (int j = 0; j < width; j++)
       a->border[first + k][j] += wb[k] * border[j];
-  for (int i = 0; i < HL_BORDER_MAX; i++) {
+  for (int i = 0; i < width; i++) {
     const double wi = weight * border[i];
     a->rhs[a->n + i] += border[i] * wy;
-    for (int j = 0; j < HL_BORDER_MAX; j++)
+    for (int j = 0; j < width; j++)
       a->corner[i][j] += wi * border[j];
   }
   a->yy += wy * y;
+}
+
+/* One row: four band values from column `first`, the border's (0 beyond m), weight and datum. */
+static inline void hl_normal_add(hl_normal *a, int first, const double band[4],
+                                 const double border[HL_BORDER_MAX], double weight, double y)
+{
+  if (a->m <= HL_BORDER_USUAL)
+    hl_normal_add_wide(a, first, band, border, HL_BORDER_USUAL, weight, y);
+  else
+    hl_normal_add_wide(a, first, band, border, HL_BORDER_MAX, weight, y);
 }
 
 /* What holds together what no pixel determines: weights of the second differences of the band's

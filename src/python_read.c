@@ -1,6 +1,7 @@
 /* Recursive descent, one function a rule; no deeper than DEPTH_MAX. */
 #include "python_read.h"
 
+#include <errno.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,6 +35,15 @@ static hl_status refuse(const reader *r, const char *needed)
 static hl_status no_memory(const reader *r)
 {
   return hl_fail(r->source.ctx, HL_ERR_MEMORY, "%s: no memory for its values", r->source.path);
+}
+
+/* jansson refused a text of the file, `errno` 0 before. */
+static hl_status no_text(const reader *r, const char *what)
+{
+  if (errno == ENOMEM)
+    return no_memory(r);
+  return hl_fail(r->source.ctx, HL_ERR_FORMAT, "%s: line %d: a %s that is no UTF-8", r->source.path,
+                 r->line, what);
 }
 
 static void skip_blanks(reader *r)
@@ -108,9 +118,9 @@ static hl_status read_member(reader *r, json_t *object)
     st = refuse(r, "':' after a key");
   if (st == HL_OK)
     st = read_value(r, &value);
+  errno = 0;
   if (st == HL_OK && json_object_set_new(object, key, value) != 0)
-    st = hl_fail(r->source.ctx, HL_ERR_FORMAT, "%s: line %d: a key that is no UTF-8 text",
-                 r->source.path, r->line);
+    st = no_text(r, "key");
   free(key);
   return st;
 }
@@ -154,6 +164,7 @@ static hl_status read_word(reader *r, json_t **out)
   while (r->at + n < r->end && r->at[n] && !strchr(" \t\r\n\f,:#'\"()[]{}", r->at[n]))
     n++;
   json_t *value = NULL;
+  errno = 0;
   if (n == 4 && memcmp(r->at, "None", n) == 0)
     value = json_null();
   else if (n == 4 && memcmp(r->at, "True", n) == 0)
@@ -162,6 +173,8 @@ static hl_status read_word(reader *r, json_t **out)
     value = json_false();
   else
     value = hl_number_json(r->at, n);
+  if (!value && errno == ENOMEM)
+    return no_memory(r);
   if (!value)
     return refuse(r, "a number, a text, a list or a dictionary");
   r->at += n;
@@ -183,11 +196,10 @@ static hl_status read_value(reader *r, json_t **out)
   const hl_status st = read_text(r, &text);
   if (st != HL_OK)
     return st;
+  errno = 0;
   *out = json_string(text);
   free(text);
-  return *out ? HL_OK
-              : hl_fail(r->source.ctx, HL_ERR_FORMAT, "%s: line %d: a text that is no UTF-8",
-                        r->source.path, r->line);
+  return *out ? HL_OK : no_text(r, "text");
 }
 
 hl_status hl_python_parse(hl_json_source source, const char *bytes, size_t n, json_t **out)

@@ -11,6 +11,7 @@
 #include "json_read.h"
 #include "json_write.h"
 #include "psd.h"
+#include "sphere_json.h"
 
 #define FARTHEST_M 1e6
 #define ROUNDING 1e-6
@@ -82,7 +83,7 @@ static hl_status read_camera_share(hl_json_source source, const json_t *root, hl
   return HL_OK;
 }
 
-static hl_status read_members(hl_json_source source, const json_t *root, hl_sphere *s)
+hl_status hl_sphere_json_members(hl_json_source source, const json_t *root, hl_sphere *s)
 {
   hl_status st = hl_json_numbers(source, root, "center_m", 3, s->center_m);
   if (st == HL_OK)
@@ -112,7 +113,7 @@ hl_status hl_sphere_read(hl_ctx *ctx, const char *path, hl_sphere *out)
   if (st != HL_OK)
     return st;
   hl_sphere sphere = {0};
-  st = read_members(source, root, &sphere);
+  st = hl_sphere_json_members(source, root, &sphere);
   json_decref(root);
   if (st == HL_OK)
     *out = sphere;
@@ -144,8 +145,7 @@ static json_t *fit_of(const hl_sphere_fit *fit)
                    "arc", hl_json_real(fit->arc), "points", fit->n_points);
 }
 
-/* NULL without memory. */
-static json_t *document(const hl_sphere *s, const hl_sphere_fit *fit)
+json_t *hl_sphere_json_document(const hl_sphere *s, const hl_sphere_fit *fit)
 {
   json_t *root = json_pack("{s:s,s:i,s:o,s:f}", "format", "halflight-sphere", "version", 1,
                            "center_m", hl_json_reals(s->center_m, 3), "radius_m", s->radius_m);
@@ -165,7 +165,7 @@ static json_t *document(const hl_sphere *s, const hl_sphere_fit *fit)
 hl_status hl_sphere_json(hl_ctx *ctx, const hl_sphere *sphere, const hl_sphere_fit *fit, char **out)
 {
   const hl_status st = hl_sphere_check(ctx, sphere);
-  return st == HL_OK ? hl_json_text(ctx, document(sphere, fit), out) : st;
+  return st == HL_OK ? hl_json_text(ctx, hl_sphere_json_document(sphere, fit), out) : st;
 }
 
 hl_status hl_sphere_write(hl_ctx *ctx, const char *path, const hl_sphere *sphere,

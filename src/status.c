@@ -34,6 +34,10 @@ hl_status hl_fail(hl_ctx *ctx, hl_status status, const char *format, ...)
   va_start(args, format);
   vsnprintf(ctx->msg, sizeof ctx->msg, format, args);
   va_end(args);
+  /* one line, whatever the files and names hold that it quotes */
+  for (char *c = ctx->msg; *c; c++)
+    if ((unsigned char)*c < 0x20 || *c == 0x7f)
+      *c = '?';
   ctx->status = status;
   return status;
 }

@@ -28,15 +28,31 @@ static const example examples[] = {
      {.lobe = HL_LOBE_FORESHORTENED, .has_lobe = true, .masking = true, .body = 3, .ambient = true},
      0.6,
      3},
+    {"near", {.lobe = HL_LOBE_PLAIN, .has_lobe = true, .body = 1, .near = true}, 0, 1},
+    {"near, matte", {.body = 1, .near = true}, 0, 1},
+    {"backscatter",
+     {.lobe = HL_LOBE_PLAIN, .has_lobe = true, .body = 1, .backscatter = true},
+     0,
+     1},
+    {"near and all of it",
+     {.lobe = HL_LOBE_FORESHORTENED,
+      .has_lobe = true,
+      .masking = true,
+      .body = 3,
+      .ambient = true,
+      .backscatter = true,
+      .near = true},
+     0.6,
+     3},
 };
 enum { EXAMPLES = sizeof examples / sizeof *examples };
-static const double exponent = 0.4;
+static const double exponent = 0.4, nearness = 0.15;
 
 typedef struct setup {
   const example *of;
   lit_data data;
   hl_light_model model;
-  double s[3], exponent;
+  double s[3], exponent, nearness;
 } setup;
 
 /* Looked at 3 degrees off the light, so that residuals do not vanish. */
@@ -54,6 +70,7 @@ static setup setup_of(const example *e)
   scene.body[2] = 0.1;
   setup out = {.of = e, .data = lit_gather(&scene, &random), .model = e->model};
   out.exponent = e->model.masking ? exponent : 0;
+  out.nearness = e->model.near ? nearness : 0;
   lit_direction(48, -62, out.s);
   hl_light_breaks(&out.data.work->all, out.s, 20, 6, &out.model.spline);
   return out;
@@ -64,15 +81,25 @@ static hl_model_point fit_at(setup *u, const double s[3], double at_exponent, in
   hl_model_point point;
   memset(&point, 0, sizeof point);
   hl_light_work *w = u->data.work;
-  assert_int_equal(hl_model_fit(&u->model, &w->all, s, at_exponent, threads, &w->model, &point), 0);
+  assert_int_equal(hl_model_fit_near(&u->model, &w->all, s, at_exponent, u->nearness, threads,
+                                     &w->model, &point),
+                   0);
   return point;
+}
+
+static bool is_nearness(const hl_light_model *model, int k)
+{
+  return model->near && k == hl_model_nearness(model);
 }
 
 static double cost_at(setup *u, const hl_model_point *from, int k, double step)
 {
   double s[3];
   lit_moved(from, k == 0 ? step : 0, k == 1 ? step : 0, s);
-  return fit_at(u, s, u->exponent + (k == 2 ? step : 0), 1).cost;
+  setup moved = *u;
+  const bool by_nearness = is_nearness(&u->model, k);
+  moved.nearness += by_nearness ? step : 0;
+  return fit_at(&moved, s, u->exponent + (k == 2 && !by_nearness ? step : 0), 1).cost;
 }
 
 /* d cost = -2 D'W r by the envelope theorem: the curves are at their best. */
@@ -111,7 +138,9 @@ static bool has_corner(const setup *u, int i, double step)
 {
   const hl_light_data *d = &u->data.work->all;
   const double n[3] = {d->normal[0][i], d->normal[1][i], d->normal[2][i]};
-  const double nl = hl_dot(n, u->s), w = d->footprint[i];
+  double toward[3];
+  hl_add_scaled(u->s, -u->nearness, n, toward);
+  const double nl = hl_dot(n, toward) / hl_norm(toward), w = d->footprint[i];
   return fabs(nl + w / 2) < 2 * step || fabs(nl - w / 2) < 2 * step || fabs(nl - 0.01) < 2 * step;
 }
 
@@ -132,10 +161,14 @@ static void slopes_match(const example *e)
       int compared = 0;
       hl_model_predict(&u.model, &w->all, &at, NULL, 0, n, c, here);
       lit_moved(&at, k == 0 ? h : 0, k == 1 ? h : 0, moved.s);
-      moved.exponent = at.exponent + (k == 2 ? h : 0);
+      const bool by_nearness = is_nearness(&u.model, k);
+      const double bend = k == 2 && !by_nearness ? h : 0, nearer = by_nearness ? h : 0;
+      moved.exponent = at.exponent + bend;
+      moved.nearness = at.nearness + nearer;
       hl_model_predict(&u.model, &w->all, &moved, NULL, 0, n, c, high);
       lit_moved(&at, k == 0 ? -h : 0, k == 1 ? -h : 0, moved.s);
-      moved.exponent = at.exponent - (k == 2 ? h : 0);
+      moved.exponent = at.exponent - bend;
+      moved.nearness = at.nearness - nearer;
       hl_model_predict(&u.model, &w->all, &moved, NULL, 0, n, c, low);
       for (int i = 0; i < n; i++) {
         const double slope = (high[i].value - low[i].value) / (2 * h);

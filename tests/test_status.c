@@ -64,6 +64,14 @@ static void test_fail_cuts_what_is_too_long(void **state)
   assert_int_equal(strlen(ctx.msg), HL_MESSAGE_MAX - 1);
 }
 
+static void test_fail_is_one_line(void **state)
+{
+  (void)state;
+  hl_ctx ctx = {0};
+  hl_fail(&ctx, HL_ERR_FORMAT, "a\nb\tc\x7f\x1b[31m \xc3\xa9");
+  assert_string_equal(ctx.msg, "a?b?c??[31m \xc3\xa9");
+}
+
 static void keep(void *user, const char *line)
 {
   snprintf(user, 40, "%s", line);
@@ -90,6 +98,7 @@ int main(void)
       cmocka_unit_test(test_texts_differ),
       cmocka_unit_test(test_fail_records_and_returns),
       cmocka_unit_test(test_fail_cuts_what_is_too_long),
+      cmocka_unit_test(test_fail_is_one_line),
       cmocka_unit_test(test_trace),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,6 +25,14 @@ typedef struct hl_codes {
 hl_status hl_opencv_decode(hl_ctx *ctx, const char *path, const char *kind,
                            const unsigned char *bytes, size_t n, hl_codes *out);
 
+/**
+ * Encode 16-bit codes, shape (height, width, channels) with channels 1 or 3 in red, green, blue
+ * order, as a PNG in memory; *bytes is the caller's (free).
+ * @return HL_OK; HL_ERR_MEMORY; HL_ERR_IO (OpenCV's encoder failed); HL_ERR_UNAVAILABLE
+ */
+hl_status hl_opencv_png16(hl_ctx *ctx, const char *path, const unsigned short *codes, int width,
+                          int height, int channels, unsigned char **bytes, size_t *n);
+
 /** OpenCV's settings for the process, once: no text anywhere, EXR on. Every bridge calls it first; it
  * is not there in a build without OpenCV. */
 void hl_opencv_prepare(void);

@@ -27,14 +27,34 @@ typedef enum hl_light_part {
   HL_PARTS
 } hl_light_part;
 
-enum { HL_CHANNELS_MAX = 3, HL_CURVE_POINTS = 121, HL_NOTES_MAX = 12, HL_NOTE_TEXT_MAX = 160 };
+enum { HL_CHANNELS_MAX = 3, HL_CURVE_POINTS = 121, HL_NOTES_MAX = 20, HL_NOTE_TEXT_MAX = 160 };
 
 typedef enum hl_lobe { HL_LOBE_AUTO, HL_LOBE_PLAIN, HL_LOBE_FORESHORTENED } hl_lobe;
 
+/** Terms that a scene may need; each is tried, and kept only where the frame demands it. */
+typedef enum hl_light_term {
+  HL_LIGHT_AMBIENT,      /* a constant e_c */
+  HL_LIGHT_NEAR,         /* the light at a finite distance: s(p) and fall-off */
+  HL_LIGHT_BACKSCATTER,  /* a second lobe about the view */
+  HL_LIGHT_COLORED_LOBE, /* channels with lobes of their own shape, not one shape in one colour */
+  HL_LIGHT_OUTLIERS,     /* pixels that no term explains are left out */
+  HL_LIGHT_RESPONSE, /* a bend of the recorded response against linear: never tried, see `with` */
+  HL_LIGHT_BENDS,    /* masking exponent and a body that bends away from Lambert's */
+  HL_LIGHT_TERMS
+} hl_light_term;
+
+/** Name on the command line and in files: "ambient", "near", ...; NULL outside the list. */
+HL_API const char *hl_light_term_name(hl_light_term term);
+
 typedef struct hl_light_settings {
-  hl_lobe lobe;          /* auto keeps the one with the smaller residual */
-  int threads;           /* 0 = as many as the machine has; results do not depend on it */
-  double model_error;    /* of the model, relative to the radiance: its weights while searching */
+  hl_lobe lobe;       /* auto keeps the one with the smaller residual */
+  unsigned with;      /* bit t: term t is kept whatever it saves; HL_ERR_ARG for the response, which
+                            one frame cannot tell from the free curves of lobe and body */
+  unsigned without;   /* bit t: term t is never tried; both is HL_ERR_ARG */
+  int pixels;         /* at most so many pixels are worked on; 0 = all */
+  double budget_ms;   /* best answer within this time, as far as can be; 0 = no limit */
+  int threads;        /* 0 = as many as the machine has; results do not depend on it */
+  double model_error; /* of the model, relative to the radiance: its weights while searching */
   double outlier_sigmas; /* pixels off by so many deviations are left out; 0 = never */
   double widest_deg;     /* largest angle from the view searched */
 } hl_light_settings;
@@ -77,7 +97,15 @@ typedef struct hl_light {
   bool part_stated[HL_PARTS]; /* false: nothing is known of this part, and it counts as none */
   double part_rad2[HL_PARTS][2][2]; /* covariance_rad2 is their sum */
   double part_95_rad[HL_PARTS][2];  /* half axes of the ellipse of each part alone */
-  double color[3];                  /* relative radiance, largest 1 */
+  double bound_rad2[2][2]; /* semiparametric Cramer-Rao bound: least covariance that any estimator
+                              reaches whose curves are free, from the pixels' noise alone */
+  double efficiency;       /* of the stated noise part: size of the bound over it, 0..1 */
+  double by_center[2][3];  /* how the direction follows the ball's centre [rad/m]; 0: no ball */
+  double by_intrinsics[2][HL_INTRINSICS_MAX]; /* how it follows the intrinsics, the centre held */
+  bool near;            /* the light's distance shows; else position_m is nothing */
+  double position_m[3]; /* camera frame */
+  double position_covariance_m2[3][3];
+  double color[3]; /* relative radiance, largest 1 */
 
   hl_lobe lobe;                   /* the one kept; HL_LOBE_AUTO where there is no lobe */
   double half_angle_direction[3]; /* h for the mean view */
@@ -88,7 +116,9 @@ typedef struct hl_light {
   double mean_view[3];            /* of the pixels used, unit */
   double diffuse_view_slope[3];   /* b_c of the body's bend b_c D (n.v - mean_cos_view) */
   double ambient[3];              /* e_c, 0 where the frame does not need it */
-  double evidence_highlight;      /* share of the information on s that the lobe brought, 0..1 */
+  double backscatter[3]
+                    [2]; /* a_c, b_c of the lobe about the view, D (a_c (n.v)^4 + b_c (n.v)^16) */
+  double evidence_highlight; /* share of the information on s that the lobe brought, 0..1 */
 
   int channels;
   int n_curves;

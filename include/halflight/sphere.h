@@ -77,6 +77,18 @@ HL_API hl_status hl_sphere_locate(hl_ctx *ctx, const hl_frame *frame, const hl_c
                                   double radius_m, const hl_sphere_settings *settings,
                                   hl_sphere *out, hl_sphere_fit *fit);
 
+/**
+ * Read the outline about a known pose again, without searching the frame for it: for a ball that was
+ * found in another frame of the same view. It follows by a few pixels at most.
+ *
+ * @param near its radius is kept; `settings` as for hl_sphere_locate, whose hint is not looked at
+ * @return as hl_sphere_locate; HL_ERR_DEGENERATE also where no outline is near. Allocates nothing.
+ * Cost O(outline points).
+ */
+HL_API hl_status hl_sphere_relocate(hl_ctx *ctx, const hl_frame *frame, const hl_camera *camera,
+                                    const hl_sphere *near, const hl_sphere_settings *settings,
+                                    hl_sphere *out, hl_sphere_fit *fit);
+
 /** Finite numbers, radius > 0, the ball wholly in front of the camera. HL_OK or HL_ERR_FORMAT. */
 HL_API hl_status hl_sphere_check(hl_ctx *ctx, const hl_sphere *sphere);
 

@@ -53,7 +53,8 @@ HL_API const char *hl_status_text(hl_status status);
 HL_API int hl_status_exit(hl_status status);
 
 /**
- * Record a failure: one line that says what, where, which value and what would be accepted.
+ * Record a failure: one line that says what, where, which value and what would be accepted. Control
+ * characters in it become '?'.
  * @return `status`, so that the finder of a fault can `return hl_fail(ctx, ...)`
  */
 HL_API hl_status hl_fail(hl_ctx *ctx, hl_status status, const char *format, ...) HL_PRINTF(3, 4);

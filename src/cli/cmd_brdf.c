@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "commands.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
 #include "options.h"

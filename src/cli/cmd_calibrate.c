@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "board_frames.h"
+#include "commands.h"
 #include "draw_calibration.h"
 #include "halflight/halflight.h"
 #include "inputs.h"

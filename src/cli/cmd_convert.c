@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
 #include "options.h"

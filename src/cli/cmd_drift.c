@@ -1,10 +1,11 @@
-/* drift: whether a camera is still the camera it was. */
+/* drift: whether a camera is still the camera it was, or a rig the rig. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
+#include "commands.h"
 #include "draw.h"
+#include "drift_rig.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
 #include "options.h"
@@ -21,9 +22,9 @@ typedef struct drift_args {
 #define AT(member) offsetof(drift_args, member)
 
 static const hl_operand operands[] = {
-    {"REFERENCE", "the camera as it was: CAMERA.json with a covariance", AT(reference),
+    {"REFERENCE", "as it was: CAMERA.json with a covariance, or a replayed session", AT(reference),
      HL_OPERAND_NEEDED},
-    {"CURRENT", "the camera as it is, calibrated again; or --board", AT(current),
+    {"CURRENT", "as it is: calibrated, or replayed, again; or --board", AT(current),
      HL_OPERAND_OPTIONAL},
 };
 
@@ -39,7 +40,7 @@ static const hl_option options[] = {
     {"false-alarm", "A", "Verdict", NULL, AT(settings), hl_drift_fields, 0},
     {"distance-m", "D", NULL, NULL, AT(settings), hl_drift_fields, 0},
     {"json", NULL, "Output", "print the document on stdout and nothing else", AT(json), 0, 0},
-    {"picture", "FILE", NULL, "heat map of the projection difference: .png, .svg or .pdf",
+    {"picture", "FILE", NULL, "projection difference, or lights that moved: .png, .svg or .pdf",
      AT(picture), 0, 0},
 };
 
@@ -100,17 +101,6 @@ static hl_status plan(hl_ctx *ctx, drift_run *r)
 
 /* ---- what is read ---- */
 
-static hl_status read_camera(hl_ctx *ctx, const char *path, hl_calibration *out)
-{
-  struct stat about;
-  if (stat(path, &about) == 0 && S_ISDIR(about.st_mode))
-    return hl_fail(ctx, HL_ERR_UNAVAILABLE,
-                   "%s is a folder, and recorded sessions cannot be compared; the CAMERA.json of "
-                   "each is needed",
-                   path);
-  return hl_calibration_read(ctx, path, out);
-}
-
 static bool is_vnl(const char *path)
 {
   const size_t n = strlen(path);
@@ -156,9 +146,9 @@ static hl_status read_inputs(hl_ctx *ctx, drift_run *r)
 {
   const drift_args *a = r->args;
   hl_target target;
-  hl_status st = read_camera(ctx, a->reference, &r->reference);
+  hl_status st = hl_calibration_read(ctx, a->reference, &r->reference);
   if (st == HL_OK && a->current)
-    return read_camera(ctx, a->current, &r->current);
+    return hl_calibration_read(ctx, a->current, &r->current);
   if (st == HL_OK && a->board_pose)
     st = hl_board_pose_read(ctx, a->board_pose, &r->pose);
   if (st == HL_OK)
@@ -230,8 +220,30 @@ static hl_status write_and_print(hl_ctx *ctx, drift_run *r)
   return st == HL_OK && r->drift.drifted ? hl_fail(ctx, HL_ERR_RESIDUAL, "%s", verdict) : st;
 }
 
+/* Two sessions are compared elsewhere; one of them with a camera, not at all. */
+static hl_status run_rig(hl_ctx *ctx, const drift_args *a)
+{
+  if (!a->current || a->board)
+    return hl_fail(ctx, HL_ERR_ARG, "%s is a session; another one to compare it with is needed",
+                   a->reference);
+  if (!hl_drift_rig_is(a->reference) || !hl_drift_rig_is(a->current))
+    return hl_fail(ctx, HL_ERR_ARG, "%s is a session and %s is none; two of a kind are needed",
+                   hl_drift_rig_is(a->reference) ? a->reference : a->current,
+                   hl_drift_rig_is(a->reference) ? a->current : a->reference);
+  const hl_drift_rig_args args = {.reference = a->reference,
+                                  .current = a->current,
+                                  .picture = a->picture,
+                                  .json = a->json,
+                                  .settings = {.false_alarm = a->settings.false_alarm}};
+  const hl_status st = check_usage(ctx, a);
+  return st == HL_OK ? hl_drift_rig_run(ctx, &args) : st;
+}
+
 static hl_status run(hl_ctx *ctx, const void *args)
 {
+  const drift_args *a = args;
+  if (hl_drift_rig_is(a->reference) || (a->current && hl_drift_rig_is(a->current)))
+    return run_rig(ctx, a);
   drift_run *r = calloc(1, sizeof *r);
   if (!r)
     return hl_fail(ctx, HL_ERR_MEMORY, "no memory for the run");
@@ -252,7 +264,7 @@ static hl_status run(hl_ctx *ctx, const void *args)
 
 const hl_command hl_command_drift = {
     .name = "drift",
-    .sentence = "Tell whether a camera is still the camera it was, and what moved.",
+    .sentence = "Tell whether a camera or a rig has changed, and what moved.",
     .operands = operands,
     .n_operands = sizeof operands / sizeof *operands,
     .options = options,
@@ -260,6 +272,8 @@ const hl_command hl_command_drift = {
     .notes = "Two calibrations: intrinsics are compared by their stated uncertainty, and the\n"
              "mount where both saw boards of the same file names that stood still. A fixed\n"
              "board: save its pose once, then compare each new frame of it with that pose.\n"
+             "Two folders that replay wrote (or their lights.json): each light's direction and\n"
+             "intensity, the ball, the camera's mount and intrinsics, and the exposure.\n"
              "The document's `change' and `deviation' are in px, coefficients, rad and m.\n"
              "Exit status: 0 the same, 1 failed, 2 wrong usage, 3 drifted.",
     .example = "  halflight drift camera.json camera-today.json --picture drift.png\n"

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
 #include "draw.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
@@ -44,6 +45,13 @@ static const hl_option options[] = {
     {"black", "B", NULL, NULL, AT(frame_settings), hl_frame_fields, 0},
     {"saturation", "S", NULL, NULL, AT(frame_settings), hl_frame_fields, 0},
     {"lobe", "auto|plain|foreshortened", "Light", NULL, AT(light_settings), hl_light_fields, 0},
+    {"with", "NAME", NULL,
+     "keep this term whatever it saves: ambient, near, backscatter, colored-lobe, outliers, "
+     "response, "
+     "bends; once a term",
+     AT(light_settings.with), 0, hl_inputs_with},
+    {"without", "NAME", NULL, "never try this term; once a term", AT(light_settings.without), 0,
+     hl_inputs_without},
     {"model-error", "E", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"outlier-sigmas", "K", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"widest-deg", "A", NULL, NULL, AT(light_settings), hl_light_fields, 0},

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
 #include "draw.h"
 #include "halflight/halflight.h"
 #include "inputs.h"

@@ -2,6 +2,7 @@
 #include <jansson.h>
 #include <stdlib.h>
 
+#include "commands.h"
 #include "halflight/info.h"
 #include "options.h"
 

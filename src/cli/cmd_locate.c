@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "commands.h"
 #include "draw.h"
 #include "halflight/halflight.h"
 #include "inputs.h"

@@ -6,6 +6,7 @@
 
 #include <jansson.h>
 
+#include "commands.h"
 #include "draw_relit.h"
 #include "halflight/halflight.h"
 #include "inputs.h"

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
 #include "halflight/halflight.h"
 #include "halflight/vec3.h"
 #include "inputs.h"

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "commands.h"
 #include "halflight/target.h"
 #include "options.h"
 #include "outputs.h"

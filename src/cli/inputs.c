@@ -40,6 +40,38 @@ hl_status hl_inputs_transfer(hl_ctx *ctx, const char *text, void *frame_settings
   return st;
 }
 
+static hl_status add_term(hl_ctx *ctx, const char *option, const char *text, void *mask)
+{
+  const char *names[HL_LIGHT_TERMS];
+  char all[HL_LIGHT_TERMS * 16] = "";
+  unsigned bits;
+  memcpy(&bits, mask, sizeof bits);
+  for (int i = 0; i < HL_LIGHT_TERMS; i++) {
+    names[i] = hl_light_term_name((hl_light_term)i);
+    if (strcmp(text, names[i]) == 0) {
+      bits |= 1U << i;
+      memcpy(mask, &bits, sizeof bits);
+      return HL_OK;
+    }
+    snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i > 0 ? ", " : "", names[i]);
+  }
+  const char *near = hl_options_nearest(text, names, HL_LIGHT_TERMS);
+  if (near)
+    return hl_fail(ctx, HL_ERR_ARG, "--%s '%.40s' is none of %s; did you mean '%s'?", option, text,
+                   all, near);
+  return hl_fail(ctx, HL_ERR_ARG, "--%s '%.40s' is none of %s", option, text, all);
+}
+
+hl_status hl_inputs_with(hl_ctx *ctx, const char *text, void *mask)
+{
+  return add_term(ctx, "with", text, mask);
+}
+
+hl_status hl_inputs_without(hl_ctx *ctx, const char *text, void *mask)
+{
+  return add_term(ctx, "without", text, mask);
+}
+
 hl_status hl_inputs_circle(hl_ctx *ctx, const char *text, void *sphere_settings)
 {
   hl_sphere_settings s;

@@ -8,6 +8,10 @@
 /* --transfer linear|srgb|gamma:G into hl_frame_settings. */
 hl_status hl_inputs_transfer(hl_ctx *ctx, const char *text, void *frame_settings);
 
+/* --with NAME, --without NAME: one bit more in hl_light_settings.with or .without. */
+hl_status hl_inputs_with(hl_ctx *ctx, const char *text, void *mask);
+hl_status hl_inputs_without(hl_ctx *ctx, const char *text, void *mask);
+
 /* --circle X,Y,R into hl_sphere_settings. */
 hl_status hl_inputs_circle(hl_ctx *ctx, const char *text, void *sphere_settings);
 

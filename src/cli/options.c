@@ -62,7 +62,7 @@ hl_status hl_options_numbers(hl_ctx *ctx, const char *option, const char *text, 
   return HL_OK;
 }
 
-static const hl_field *find_field(const hl_option *option)
+const hl_field *hl_options_field(const hl_option *option)
 {
   const hl_field_table *table = option->table();
   for (int i = 0; i < table->n; i++) {
@@ -82,7 +82,7 @@ static hl_status set_option(hl_ctx *ctx, const hl_option *option, const char *te
 {
   void *member = (char *)args + option->offset;
   if (option->table) {
-    const hl_field *field = find_field(option);
+    const hl_field *field = hl_options_field(option);
     if (!field)
       return hl_fail(ctx, HL_ERR_ARG, "--%s has no settings field", option->name);
     char typed[WORD_MAX + 3]; /* what the message names */
@@ -210,117 +210,5 @@ hl_status hl_options_parse(hl_ctx *ctx, const hl_command *command, int n, char *
     return hl_fail(ctx, HL_ERR_ARG, "%s is missing: halflight %s %s ...",
                    command->operands[operands].name, command->name,
                    command->operands[operands].name);
-  return HL_OK;
-}
-
-/* ---- help ---- */
-
-static const double UNBOUNDED = 1e30; /* a larger bound is none to a reader */
-
-enum { HELP_WIDTH = 79, HELP_COLUMN = 26 };
-
-/* Text wrapped at HELP_WIDTH, continued at `column`; `at` is where the pen stands. */
-static void print_wrapped(FILE *out, const char *text, int at, int column)
-{
-  while (*text) {
-    const int word = (int)strcspn(text, " ");
-    if (at > column && at + 1 + word > HELP_WIDTH) {
-      fprintf(out, "\n%*s", column, "");
-      at = column;
-    } else if (at > column) {
-      fputc(' ', out);
-      at++;
-    }
-    fprintf(out, "%.*s", word, text);
-    at += word;
-    text += word;
-    text += strspn(text, " ");
-  }
-  fputc('\n', out);
-}
-
-static void print_entry(FILE *out, const char *left, const char *right)
-{
-  int at = fprintf(out, "  %s", left);
-  if (at >= HELP_COLUMN) {
-    fputc('\n', out);
-    at = 0;
-  }
-  fprintf(out, "%*s", HELP_COLUMN - at, "");
-  print_wrapped(out, right, HELP_COLUMN, HELP_COLUMN);
-}
-
-/* "help [unit] (default, range)" of an option that is a settings field. */
-static void describe_field(const hl_option *option, const hl_field *field, const void *args,
-                           char *out, size_t size)
-{
-  const char *at = (const char *)args + option->offset + field->offset;
-  const char *help = option->help ? option->help : field->help;
-  int n = snprintf(out, size, "%s%s%s%s (", help, field->unit[0] ? " [" : "", field->unit,
-                   field->unit[0] ? "]" : "");
-  double value = 0;
-  int whole = 0;
-  if (field->kind == HL_FIELD_DOUBLE) {
-    memcpy(&value, at, sizeof value);
-  } else {
-    memcpy(&whole, at, sizeof whole);
-    value = whole;
-  }
-  if (n < 0 || (size_t)n >= size)
-    return;
-  const bool stated = value >= field->min && value <= field->max;
-  if (field->kind == HL_FIELD_CHOICE && stated)
-    snprintf(out + n, size - (size_t)n, "default %s)", field->choices[whole]);
-  else if (stated && field->max > UNBOUNDED)
-    snprintf(out + n, size - (size_t)n, "default %.6g, at least %.6g)", value, field->min);
-  else if (stated)
-    snprintf(out + n, size - (size_t)n, "default %.6g, %.6g to %.6g)", value, field->min,
-             field->max);
-  else
-    snprintf(out + n, size - (size_t)n, "%.6g to %.6g)", field->min, field->max);
-}
-
-static void print_option(FILE *out, const hl_option *option, const void *args)
-{
-  char left[80];
-  char right[400];
-  snprintf(left, sizeof left, "--%s%s%s", option->name, option->value ? " " : "",
-           option->value ? option->value : "");
-  const hl_field *field = option->table ? find_field(option) : NULL;
-  if (field)
-    describe_field(option, field, args, right, sizeof right);
-  else
-    snprintf(right, sizeof right, "%s", option->help);
-  print_entry(out, left, right);
-}
-
-hl_status hl_options_help(hl_ctx *ctx, const hl_command *command, FILE *out)
-{
-  void *args = calloc(1, command->size);
-  if (!args)
-    return hl_fail(ctx, HL_ERR_MEMORY, "no memory for the arguments");
-  if (command->defaults)
-    command->defaults(args);
-  print_wrapped(out, command->sentence, 0, 0);
-  fprintf(out, "\nusage: halflight %s", command->name);
-  for (int i = 0; i < command->n_operands; i++)
-    fprintf(out,
-            command->operands[i].count == HL_OPERAND_NEEDED     ? " %s"
-            : command->operands[i].count == HL_OPERAND_OPTIONAL ? " [%s]"
-                                                                : " [%s...]",
-            command->operands[i].name);
-  fprintf(out, "%s\n", command->n_options ? " [options]" : "");
-  for (int i = 0; i < command->n_operands; i++)
-    print_entry(out, command->operands[i].name, command->operands[i].help);
-  for (int i = 0; i < command->n_options; i++) {
-    if (command->options[i].group)
-      fprintf(out, "\n%s:\n", command->options[i].group);
-    print_option(out, &command->options[i], args);
-  }
-  if (command->notes)
-    fprintf(out, "\n%s\n", command->notes);
-  if (command->example)
-    fprintf(out, "\nexample:\n%s\n", command->example);
-  free(args);
   return HL_OK;
 }

@@ -60,6 +60,17 @@ hl_status hl_options_parse(hl_ctx *ctx, const hl_command *command, int n, char *
 /* Free what hl_options_parse took for the arguments, however it ended. */
 void hl_options_release(const hl_command *command, void *args);
 
+/* The settings field that an option with a table stands for; NULL where there is none. */
+const hl_field *hl_options_field(const hl_option *option);
+
+enum { HL_OPTION_TEXT_MAX = 400 };
+
+/* What an option does, with unit, default and bounds; `args` holds the verb's defaults. */
+void hl_options_describe(const hl_option *option, const void *args, char *out, size_t size);
+
+/* A verb's arguments as they are before any word; free(). NULL without memory, and ctx says so. */
+void *hl_options_defaults(hl_ctx *ctx, const hl_command *command);
+
 /* Print what `halflight VERB --help` shows. HL_ERR_MEMORY. */
 hl_status hl_options_help(hl_ctx *ctx, const hl_command *command, FILE *out);
 
@@ -68,17 +79,5 @@ hl_status hl_options_numbers(hl_ctx *ctx, const char *option, const char *text, 
 
 /* The name nearest to `word` by edits; NULL when none is near. */
 const char *hl_options_nearest(const char *word, const char *const *names, int n);
-
-extern const hl_command hl_command_brdf;
-extern const hl_command hl_command_calibrate;
-extern const hl_command hl_command_convert;
-extern const hl_command hl_command_drift;
-extern const hl_command hl_command_estimate;
-extern const hl_command hl_command_fit;
-extern const hl_command hl_command_info;
-extern const hl_command hl_command_locate;
-extern const hl_command hl_command_relight;
-extern const hl_command hl_command_render;
-extern const hl_command hl_command_target;
 
 #endif

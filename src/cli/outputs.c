@@ -71,7 +71,11 @@ static hl_status check_target(hl_ctx *ctx, char *path)
     return hl_fail(ctx, HL_ERR_IO, "%s: is a folder; a file name is needed", path);
   if (!S_ISREG(at.st_mode))
     return hl_fail(ctx, HL_ERR_IO, "%s: is no regular file; a file name is needed", path);
-  char *real = lstat(path, &at) == 0 && S_ISLNK(at.st_mode) ? realpath(path, NULL) : NULL;
+  const bool link = lstat(path, &at) == 0 && S_ISLNK(at.st_mode);
+  char *real = link ? realpath(path, NULL) : NULL;
+  if (link && !real)
+    return hl_fail(ctx, errno == ENOMEM ? HL_ERR_MEMORY : HL_ERR_IO,
+                   "%s: cannot follow the link: %s", path, strerror(errno));
   if (real && strlen(real) + STAGE_SUFFIX < HL_OUTPUT_PATH_MAX)
     memcpy(path, real, strlen(real) + 1);
   free(real);

@@ -95,6 +95,11 @@ static void print_direction(FILE *out, const hl_light *light)
            light->ellipse_95_rad[0] * degrees, light->ellipse_95_rad[1] * degrees);
   hl_summary_line(out, "", text);
   print_parts(out, light);
+  if (light->efficiency > 0) {
+    snprintf(text, sizeof text, "noise part: %.0f %% of what free curves allow at best",
+             100 * light->efficiency);
+    hl_summary_line(out, "", text);
+  }
 }
 
 static void print_fit(FILE *out, const hl_light *light)
