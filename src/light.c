@@ -1,6 +1,6 @@
 /* The light from one frame: gather, search, settle, state the uncertainty, draw the curves.
  *
- * Each step is a file: light_gather.c, light_search.c, light_settle.c, light_uncertainty.c,
+ * Each step is a file: light_gather.c, light_pixels.c, light_search.c, light_settle.c, light_finish.c, light_uncertainty.c,
  * light_curves.c, light_notes.c; the model is light_model.c, its solver light_refine.c.
  */
 #include "halflight/light.h"
@@ -11,6 +11,7 @@
 
 #include "halflight/notes.h"
 #include "halflight/vec3.h"
+#include "light_budget.h"
 #include "light_terms.h"
 
 #ifdef _OPENMP
@@ -36,6 +37,11 @@ const hl_field_table *hl_light_fields(void)
   static const hl_field fields[] = {
       {"lobe", HL_FIELD_CHOICE, offsetof(hl_light_settings, lobe), 0, 2, "",
        "form of the specular lobe; auto keeps the one with the smaller residual", lobes},
+      {"pixels", HL_FIELD_INT, offsetof(hl_light_settings, pixels), 0, LARGEST_SURFACE, "",
+       "work on at most so many samples, means of blocks where shading is straight; 0 for all",
+       NULL},
+      {"budget_ms", HL_FIELD_DOUBLE, offsetof(hl_light_settings, budget_ms), 0, 1e6, "ms",
+       "best answer within this time, as far as can be; 0 for no limit", NULL},
       {"threads", HL_FIELD_INT, offsetof(hl_light_settings, threads), 0, 256, "",
        "threads to use, 0 for as many as the machine has; the result does not depend on it", NULL},
       {"model_error", HL_FIELD_DOUBLE, offsetof(hl_light_settings, model_error), 1e-4, 0.5, "",
@@ -63,7 +69,7 @@ static void *carve(arena *a, size_t count, size_t size)
   return at;
 }
 
-static void carve_data(arena *a, hl_light_data *d, size_t n, int channels)
+static void carve_data(arena *a, hl_light_data *d, size_t n, int channels, bool cells)
 {
   for (int k = 0; k < 3; k++) {
     d->normal[k] = carve(a, n, sizeof(double));
@@ -71,31 +77,47 @@ static void carve_data(arena *a, hl_light_data *d, size_t n, int channels)
   }
   d->footprint = carve(a, n, sizeof(double));
   d->clipped = carve(a, n, 1);
+  d->side = cells ? carve(a, n, 1) : NULL;
+  d->stretch = cells ? carve(a, n, sizeof *d->stretch) : NULL;
   for (int c = 0; c < channels; c++) {
     d->value[c] = carve(a, n, sizeof(double));
     d->weight[c] = carve(a, n, sizeof(double));
+    d->scatter[c] = cells ? carve(a, n, sizeof(double)) : NULL;
   }
+}
+
+static void carve_samples(arena *a, hl_light_samples *s, size_t n, int channels, bool cells)
+{
+  carve_data(a, &s->all, n, channels, cells);
+  s->grey = s->all;
+  s->grey.value[0] = carve(a, n, sizeof(double));
+  s->grey.weight[0] = carve(a, n, sizeof(double));
+  s->grey.clipped = carve(a, n, 1);
+  s->grey.scatter[0] = cells ? carve(a, n, sizeof(double)) : NULL;
+  s->index = carve(a, n, sizeof *s->index);
+  s->outlier = carve(a, n, 1);
+  for (int c = 0; c < channels; c++)
+    s->area[c] = carve(a, n, sizeof(double));
 }
 
 static void carve_work(arena *a, hl_light_work *w)
 {
   const size_t n = (size_t)w->max_pixels;
-  carve_data(a, &w->all, n, w->channels);
-  carve_data(a, &w->coarse, HL_COARSE_MAX, 1);
-  w->grey = w->all;
-  w->grey.value[0] = carve(a, n, sizeof(double));
-  w->grey.weight[0] = carve(a, n, sizeof(double));
-  w->grey.clipped = carve(a, n, 1);
+  carve_samples(a, &w->aside, n, w->channels, false);
+  hl_light_exchange(w); /* the pixels; beside them, the cells */
+  carve_samples(a, &w->aside, n, w->channels, true);
+  w->on_cells = false;
+  carve_data(a, &w->coarse, HL_COARSE_MAX, 1, true);
+  w->place = carve(a, 2 * n, sizeof *w->place);
+  w->bend = carve(a, n, sizeof *w->bend);
+  w->mean = carve(a, n, sizeof *w->mean);
+  w->owner = carve(a, n, sizeof *w->owner);
   const size_t rows = n > HL_COARSE_MAX ? n : HL_COARSE_MAX;
   w->model.clipped = carve(a, rows * (size_t)w->channels, sizeof *w->model.clipped);
   w->ranked = carve(a, 2 * n, sizeof *w->ranked);
   w->fit = carve(a, n, sizeof *w->fit);
   w->score = carve(a, n, sizeof *w->score);
   w->noise = carve(a, n, sizeof *w->noise);
-  w->index = carve(a, n, sizeof *w->index);
-  w->outlier = carve(a, n, 1);
-  for (int c = 0; c < w->channels; c++)
-    w->area[c] = carve(a, n, sizeof(double));
   w->predicted = carve(a, n, sizeof(float));
   w->measured = carve(a, n, sizeof(float));
   w->weight = carve(a, n, sizeof(float));
@@ -147,28 +169,6 @@ static int threads_of(const hl_light_settings *settings)
 #endif
 }
 
-static hl_status search_both(hl_ctx *ctx, hl_light_work *work, const hl_light_settings *settings,
-                             double start[2][3])
-{
-  hl_light_candidate best[2] = {{.cost = HUGE_VAL}, {.cost = HUGE_VAL}};
-  for (int kind = 0; kind < 2; kind++) {
-    const hl_lobe lobe = kind == 0 ? HL_LOBE_PLAIN : HL_LOBE_FORESHORTENED;
-    hl_light_candidate found[HL_CANDIDATES];
-    if (settings->lobe != HL_LOBE_AUTO && settings->lobe != lobe)
-      continue;
-    if (hl_light_search(work, settings, lobe, found) > 0)
-      best[kind] = found[0];
-  }
-  for (int kind = 0; kind < 2; kind++)
-    if (!isfinite(best[kind].cost))
-      best[kind] = best[1 - kind];
-  if (!isfinite(best[0].cost))
-    return hl_fail(ctx, HL_ERR_DEGENERATE, "no direction of light explains these pixels");
-  for (int kind = 0; kind < 2; kind++)
-    memcpy(start[kind], best[kind].s, sizeof best[kind].s);
-  return HL_OK;
-}
-
 /* Half axes of the 95 % ellipse, major first. */
 static void set_ellipse(double (*covariance)[2], double out[2])
 {
@@ -193,7 +193,7 @@ static void add_parts(hl_light *out)
 
 static void set_direction(const hl_light_work *work, hl_light *out)
 {
-  const hl_light_data *d = &work->all;
+  const hl_light_data *d = work->on_cells ? &work->aside.all : &work->all; /* the pixels */
   double view[3] = {0};
   memcpy(out->direction, work->best.at.s, sizeof out->direction);
   memcpy(out->tangent_basis, work->best.at.t, sizeof out->tangent_basis);
@@ -255,28 +255,65 @@ static void set_color(const hl_light_work *work, hl_light *out)
     out->color[k] = most > 0 ? sum[out->channels == 1 ? 0 : k] / most : 1;
 }
 
-/* The work's arrays are of gathered pixels; callers index by the surface. */
-static void spread_over_surface(hl_light_work *work, int surface_n)
-{
-  const float level = (float)work->brightness.level;
-  memset(work->score, 0, (size_t)surface_n * sizeof *work->score);
-  for (int p = 0; p < work->all.n; p++) {
-    double *at = work->score[work->index[p]];
-    at[0] = level * work->predicted[p];
-    at[1] = level * work->measured[p];
-    at[2] = work->outlier[p] ? 0 : 1;
-  }
-  for (int i = 0; i < surface_n; i++) {
-    work->predicted[i] = (float)work->score[i][0];
-    work->measured[i] = (float)work->score[i][1];
-    work->weight[i] = (float)work->score[i][2];
-  }
-}
-
 static hl_status no_light(hl_ctx *ctx, hl_light *out)
 {
   out->found = out->trusted = false;
   return hl_fail(ctx, HL_ERR_DEGENERATE, "no light: %s", out->reasons.note[0].why);
+}
+
+/* From gathered pixels to the direction; on cells where the plan says so. */
+static hl_status find_direction(hl_ctx *ctx, hl_light_work *work, const hl_surface *surface,
+                                hl_light_settings *own, hl_light_plan *plan,
+                                hl_light_settled *settled)
+{
+  hl_light_candidate found[HL_CANDIDATES];
+  double start[2][3];
+  int passes;
+  hl_light_find_blocks(work, surface);
+  hl_light_plan_look(own, work->all.n, plan);
+  hl_light_choose_coarse(work, plan->coarse);
+  int count = hl_light_look_around(work, own, plan->directions, found, &passes);
+  hl_light_plan_settle(passes, work->channels, plan, own);
+  if (plan->cells < work->all.n)
+    hl_light_to_cells(work, plan->cells);
+  hl_light_plan_terms(&work->all, plan, own);
+  work->lean = plan->lean;
+  count = count < plan->candidates ? count : plan->candidates;
+  if (!hl_light_start(work, own, found, count, start))
+    return hl_fail(ctx, HL_ERR_DEGENERATE, "no direction of light explains these pixels");
+  const hl_status st = hl_light_settle(ctx, work, surface, own, (const double(*)[3])start, settled);
+  if (st != HL_OK || !work->on_cells || !hl_light_plan_finish(plan))
+    return st;
+  return hl_light_finish(ctx, work, own, settled);
+}
+
+/* How sure that is, and all that is drawn from it; `work` is on what it was settled on. */
+static void describe(hl_light_work *work, const hl_surface *surface, const hl_light_settings *own,
+                     const hl_light_settled *settled, hl_light *out)
+{
+  const hl_light_model *model = &settled->variant[settled->kept].model;
+  hl_light_spread spread;
+  out->lobe = model->has_lobe ? model->lobe : HL_LOBE_AUTO;
+  set_direction(work, out);
+  hl_light_uncertainty(work, surface, model, settled, own->threads, &spread);
+  memcpy(out->part_rad2[HL_PART_NOISE], spread.noise, sizeof spread.noise);
+  memcpy(out->part_rad2[HL_PART_MODEL], spread.model, sizeof spread.model);
+  out->part_stated[HL_PART_NOISE] = out->part_stated[HL_PART_MODEL] = true;
+  hl_light_geometry(work, model, surface, &spread, own->threads, out);
+  add_parts(out);
+  hl_light_position(work, model, surface, &spread, own->threads, out);
+  hl_light_curves(work, model, own->threads, out);
+  hl_light_bound(work, model, surface, own->threads, out);
+  set_color(work, out);
+  out->n_clipped = work->brightness.clipped;
+  out->n_outliers = settled->outliers;
+  out->iterations = settled->iterations;
+  out->rms = spread.rms;
+  out->relative_error = spread.relative_error;
+  out->condition = spread.condition;
+  out->evidence_highlight = spread.highlight_share;
+  out->masking_exponent = model->masking ? work->best.at.exponent : 0;
+  hl_light_notes(work, settled, &spread, surface, own, out);
 }
 
 hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *frame,
@@ -284,15 +321,15 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
                             hl_light *out)
 {
   hl_light_settings own = settings ? *settings : hl_light_defaults();
-  hl_light_settled settled;
-  hl_light_spread spread;
-  double start[2][3];
+  hl_light_settled settled = {.kept = HL_VARIANT_MATTE};
+  hl_light_plan plan;
   hl_status st = hl_fields_check(ctx, hl_light_fields(), &own);
   if (st == HL_OK)
     st = hl_light_check_terms(ctx, &own);
   if (st != HL_OK)
     return st;
   own.threads = threads_of(&own);
+  hl_light_plan_start(&own, &plan);
   st = hl_light_gather(ctx, work, frame, surface);
   if (st != HL_OK)
     return st;
@@ -300,39 +337,27 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   out->channels = frame->channels;
   if (hl_light_hopeless(work, frame, out))
     return no_light(ctx, out);
-  st = search_both(ctx, work, &own, start);
-  if (st == HL_OK)
-    st = hl_light_settle(ctx, work, surface, &own, (const double(*)[3])start, &settled);
+  st = find_direction(ctx, work, surface, &own, &plan, &settled);
   if (st != HL_OK) {
     hl_notes_add(&out->reasons, "no fit", "%s", ctx ? ctx->msg : "no model can be fitted");
     return no_light(ctx, out);
   }
-  const hl_light_variant *kept = &settled.variant[settled.kept];
-  work->kept = kept->model;
+  work->kept = settled.variant[settled.kept].model;
   out->found = true;
-  out->lobe = kept->model.has_lobe ? kept->model.lobe : HL_LOBE_AUTO;
-  set_direction(work, out);
-  hl_light_uncertainty(work, surface, &kept->model, &settled, own.threads, &spread);
-  memcpy(out->part_rad2[HL_PART_NOISE], spread.noise, sizeof spread.noise);
-  memcpy(out->part_rad2[HL_PART_MODEL], spread.model, sizeof spread.model);
-  out->part_stated[HL_PART_NOISE] = out->part_stated[HL_PART_MODEL] = true;
-  hl_light_geometry(work, &kept->model, surface, &spread, own.threads, out);
-  add_parts(out);
-  hl_light_position(work, &kept->model, surface, &spread, own.threads, out);
-  hl_light_curves(work, &kept->model, own.threads, out);
-  hl_light_bound(work, &kept->model, surface, own.threads, out);
-  set_color(work, out);
   out->n_pixels = work->all.n;
-  out->n_clipped = work->brightness.clipped;
-  out->n_outliers = settled.outliers;
-  out->iterations = settled.iterations;
-  out->rms = spread.rms;
-  out->relative_error = spread.relative_error;
-  out->condition = spread.condition;
-  out->evidence_highlight = spread.highlight_share;
-  out->masking_exponent = kept->model.masking ? work->best.at.exponent : 0;
-  hl_light_notes(work, &settled, &spread, surface, &own, out);
-  spread_over_surface(work, surface->n);
+  /* cells say as much as all pixels do, in less time */
+  const bool finished = !work->on_cells && plan.cells < plan.pixels;
+  if (finished)
+    hl_light_exchange(work);
+  describe(work, surface, &own, &settled, out);
+  hl_light_plan_notes(&plan, out->n_pixels, out);
+  if (finished) {
+    hl_light_exchange(work);
+    hl_light_predict_pixels(work, &settled.variant[settled.kept].model);
+  }
+  hl_light_spread_over(work, surface->n);
+  if (finished) /* light_pose.c goes on from the samples with the noise's own weights */
+    hl_light_exchange(work);
   return HL_OK;
 }
 

@@ -49,10 +49,14 @@ static void look_beside(const struct hl_light_work *work, const hl_surface *surf
   static const double dx[SIDES] = {-0.5, 0.5, 0, 0}, dy[SIDES] = {0, 0, -0.5, 0.5};
   for (int i = 0; i < b->data.n; i++) {
     const int pixel = surface->pixel[work->index[first + i]];
-    const int column = pixel % surface->width, row = pixel / surface->width;
+    const int wide = work->all.side ? work->all.side[first + i] : 1;
+    const double middle = wide > 1 ? -0.5 : 0; /* a cell's lies before its middle pixel */
+    const int across = pixel % surface->width, down = pixel / surface->width;
+    const double column = across + middle, row = down + middle;
     double normal[3], view[3];
-    counts[i] = counts[i] && hl_ball_look(&surface->camera, &surface->ball, column + dx[side],
-                                          row + dy[side], normal, view);
+    counts[i] =
+        counts[i] && hl_ball_look(&surface->camera, &surface->ball, column + wide * dx[side],
+                                  row + wide * dy[side], normal, view);
     for (int k = 0; k < 3; k++) {
       b->at[k][i] = counts[i] ? normal[k] : work->all.normal[k][first + i];
       b->at[3 + k][i] = counts[i] ? view[k] : work->all.view[k][first + i];

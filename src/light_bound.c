@@ -56,13 +56,14 @@ static void noise_law(const struct hl_light_work *work, const hl_surface *surfac
   for (int round = 0; round < ROUNDS; round++) {
     double n = 0, y1 = 0, y2 = 0, q = 0, qy = 0;
     for (int i = 1; i + 1 < d->n; i++) {
-      if (!counts(work, surface, c, i))
+      const int area = hl_light_area(d, i);
+      if (area == 1 ? !counts(work, surface, c, i) : !(d->weight[c][i] > 0))
         continue;
       const double y = fmax(work->fit[i].value, 0);
       const double variance = round == 0 ? 1 : variance_at(out, y);
-      const double square =
-          fmin(departure2(d, work->fit, c, i), round == 0 ? HUGE_VAL : cap * variance);
-      const double w = 1 / (variance * variance);
+      const double square = fmin(area > 1 ? d->scatter[c][i] : departure2(d, work->fit, c, i),
+                                 round == 0 ? HUGE_VAL : cap * variance);
+      const double w = area / (variance * variance);
       n += w;
       y1 += w * y;
       y2 += w * y * y;
@@ -103,7 +104,7 @@ void hl_light_noise_weights(struct hl_light_work *work, const hl_light_model *mo
     noise_law(work, surface, c, &noise);
     for (int i = 0; i < d->n; i++)
       if (d->weight[c][i] > 0)
-        d->weight[c][i] = 1 / variance_at(&noise, work->fit[i].value);
+        d->weight[c][i] = hl_light_area(d, i) / variance_at(&noise, work->fit[i].value);
   }
 }
 

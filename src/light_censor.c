@@ -42,16 +42,17 @@ static int solve_non_negative_body(const hl_light_model *model, hl_normal *a,
 }
 
 /* Normal equations of a channel: the unclipped samples, summed over the blocks in order. */
-static void sum_blocks(const hl_model_work *work, int channel, hl_normal *base)
+static void sum_blocks(const hl_light_data *data, const hl_model_work *work, int channel,
+                       hl_normal *base)
 {
   *base = work->block[0][channel];
-  for (int b = 1; b < HL_BLOCKS; b++)
+  for (int b = 1; b < hl_blocks(data->n); b++)
     hl_normal_merge(base, &work->block[b][channel]);
 }
 
 static void add_clipped(const hl_light_data *data, hl_model_work *work, int channel, hl_normal *a)
 {
-  for (int b = 0; b < HL_BLOCKS; b++) {
+  for (int b = 0; b < hl_blocks(data->n); b++) {
     const hl_clipped_row *rows = hl_clipped_rows(data, work, b);
     for (int i = 0; i < work->n_clipped[b]; i++)
       if (rows[i].channel == channel && rows[i].active)
@@ -65,7 +66,7 @@ static int choose_clipped(const hl_light_data *data, hl_model_work *work, int ch
                           const double *x)
 {
   int changed = 0;
-  for (int b = 0; b < HL_BLOCKS; b++) {
+  for (int b = 0; b < hl_blocks(data->n); b++) {
     hl_clipped_row *rows = hl_clipped_rows(data, work, b);
     for (int i = 0; i < work->n_clipped[b]; i++)
       if (rows[i].channel == channel) {
@@ -82,7 +83,7 @@ static double clipped_slope(const hl_light_data *data, const hl_model_work *work
                             double t)
 {
   double sum = 0;
-  for (int b = 0; b < HL_BLOCKS; b++) {
+  for (int b = 0; b < hl_blocks(data->n); b++) {
     const hl_clipped_row *rows = hl_clipped_rows(data, work, b);
     for (int i = 0; i < work->n_clipped[b]; i++) {
       const double short_by = rows[i].value - rows[i].now - t * rows[i].change;
@@ -108,7 +109,7 @@ static double censored_share(const hl_light_data *data, hl_model_work *work, int
     constant += step[i] * (at_x[i] - base->rhs[i]);
     curvature += step[i] * at_step[i];
   }
-  for (int b = 0; b < HL_BLOCKS; b++) {
+  for (int b = 0; b < hl_blocks(data->n); b++) {
     hl_clipped_row *rows = hl_clipped_rows(data, work, b);
     for (int i = 0; i < work->n_clipped[b]; i++)
       if (rows[i].channel == channel) {
@@ -137,7 +138,7 @@ static double censored_cost(const hl_light_data *data, const hl_model_work *work
   hl_normal_times(base, x, ax);
   for (int i = 0; i < base->n + base->m; i++)
     cost += x[i] * (ax[i] - 2 * base->rhs[i]);
-  for (int b = 0; b < HL_BLOCKS; b++) {
+  for (int b = 0; b < hl_blocks(data->n); b++) {
     const hl_clipped_row *rows = hl_clipped_rows(data, work, b);
     for (int i = 0; i < work->n_clipped[b]; i++)
       if (rows[i].channel == channel) {
@@ -161,7 +162,7 @@ int hl_censor_solve(const hl_light_model *model, const hl_light_data *data, int 
 {
   double *x = out->x[channel], y[HL_COLUMNS_MAX];
   hl_normal base, a;
-  sum_blocks(work, channel, &base);
+  sum_blocks(data, work, channel, &base);
   if (!work->keep_smoothing) {
     a = base;
     add_clipped(data, work, channel, &a);
@@ -194,7 +195,7 @@ int hl_censor_solve(const hl_light_model *model, const hl_light_data *data, int 
 void hl_censor_normal(const hl_light_model *model, const hl_light_data *data, int channel,
                       const double *x, hl_model_work *work, hl_normal *normal)
 {
-  sum_blocks(work, channel, normal);
+  sum_blocks(data, work, channel, normal);
   choose_clipped(data, work, channel, normal->n, normal->m, x);
   add_clipped(data, work, channel, normal);
   hl_normal_regularise(normal, &work->smoothing[channel]);

@@ -4,10 +4,18 @@
 
 #include "light_model.h"
 
-/* First pixel of a block. */
+/* First sample of a block; a few are not worth parting, and all but the first block are empty. */
 static inline int hl_block_first(int n, int b)
 {
+  if (n < HL_BLOCKS_FROM)
+    return b == 0 ? 0 : n;
   return (int)((long long)n * b / HL_BLOCKS);
+}
+
+/* Blocks that may hold samples. */
+static inline int hl_blocks(int n)
+{
+  return n < HL_BLOCKS_FROM ? 1 : HL_BLOCKS;
 }
 
 /* Rows of the clipped samples of block b. */

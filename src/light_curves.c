@@ -127,7 +127,7 @@ void hl_light_curves(struct hl_light_work *work, const hl_light_model *model, in
 {
   static const char *const colours[HL_CHANNELS_MAX] = {"r", "g", "b"};
   const constrained s = shape_of(model);
-  const double cos_view = mean_cos_view(&work->all);
+  const double cos_view = mean_cos_view(work->on_cells ? &work->aside.all : &work->all);
   const double level = work->brightness.level;
   hl_normal normal[HL_CHANNELS_MAX];
   out->n_curves = 0;

@@ -11,37 +11,75 @@
 static const double lit_share = 0.02; /* of the 90th percentile: darker pixels are in shadow */
 static const double least_level_in_noise = 4;
 
-/* Largest key first, ties in place: merge sort, because qsort may allocate. `scratch` has n places. */
+/* Bits that descend as the number ascends, to a float's precision. */
+static uint32_t descending_bits(double x)
+{
+  const float f = (float)x;
+  uint32_t bits;
+  memcpy(&bits, &f, sizeof bits);
+  return bits >> 31 ? bits : ~(bits | 1U << 31);
+}
+
+/* By eleven bits at a time from the lowest, because qsort may allocate. */
 void hl_light_sort(hl_ranked *ranked, hl_ranked *scratch, int n)
 {
+  enum { BITS = 11, DIGITS = 3, RADIX = 1 << BITS };
   hl_ranked *from = ranked, *to = scratch;
-  for (int width = 1; width < n; width *= 2) {
-    for (int left = 0; left < n; left += 2 * width) {
-      const int middle = left + width < n ? left + width : n;
-      const int right = left + 2 * width < n ? left + 2 * width : n;
-      int i = left, j = middle;
-      for (int k = left; k < right; k++)
-        to[k] = i < middle && (j >= right || from[i].key >= from[j].key) ? from[i++] : from[j++];
+  int first[DIGITS][RADIX] = {{0}};
+  for (int i = 0; i < n; i++) {
+    const uint32_t bits = descending_bits(ranked[i].key);
+    for (int digit = 0; digit < DIGITS; digit++)
+      first[digit][bits >> digit * BITS & (RADIX - 1)]++;
+  }
+  for (int digit = 0; digit < DIGITS; digit++) {
+    int sum = 0;
+    for (int d = 0; d < RADIX; d++) {
+      const int count = first[digit][d];
+      first[digit][d] = sum;
+      sum += count;
     }
+    for (int i = 0; i < n; i++)
+      to[first[digit][descending_bits(from[i].key) >> digit * BITS & (RADIX - 1)]++] = from[i];
     hl_ranked *swap = from;
     from = to;
     to = swap;
   }
-  if (from != ranked)
-    memcpy(ranked, from, (size_t)n * sizeof *ranked);
+  memcpy(ranked, from, (size_t)n * sizeof *ranked);
 }
 
-/* The surface's pixels in the frame's order, so that no answer depends on how a caller lists them. */
-static void order_by_pixel(struct hl_light_work *work, const hl_surface *surface)
+/* The surface's pixels in the frame's order, so that no answer depends on how a caller lists them: false
+ * where they are; else pixel and place are in work->place, ascending. */
+static bool order_by_pixel(struct hl_light_work *work, const hl_surface *surface)
 {
   bool ascending = true;
-  for (int i = 0; i < surface->n; i++) {
-    work->ranked[i].key = -surface->pixel[i];
-    work->ranked[i].index = i;
-    ascending = ascending && (i == 0 || surface->pixel[i] > surface->pixel[i - 1]);
+  for (int i = 1; i < surface->n && ascending; i++)
+    ascending = surface->pixel[i] > surface->pixel[i - 1];
+  if (ascending)
+    return false;
+  for (int i = 0; i < surface->n; i++)
+    work->place[i] = (uint64_t)surface->pixel[i] << 32 | (uint32_t)i;
+  hl_light_sort_places(work->place, work->place + work->max_pixels, surface->n);
+  return true;
+}
+
+/* Where the pixels lie in the frame. They ascend, so that the row is found by counting. */
+static void find_box(struct hl_light_work *work, const hl_surface *surface)
+{
+  hl_light_box *box = &work->box;
+  int row = 0, start = 0;
+  *box = (hl_light_box){surface->width, 0, surface->height, 0};
+  for (int p = 0; p < work->all.n; p++) {
+    const int pixel = surface->pixel[work->index[p]];
+    if (pixel - start >= surface->width) {
+      row = pixel / surface->width;
+      start = row * surface->width;
+    }
+    const int column = pixel - start;
+    box->x0 = column < box->x0 ? column : box->x0;
+    box->x1 = column > box->x1 ? column : box->x1;
+    box->y0 = row < box->y0 ? row : box->y0;
+    box->y1 = row > box->y1 ? row : box->y1;
   }
-  if (!ascending)
-    hl_light_sort(work->ranked, work->ranked + work->max_pixels, surface->n);
 }
 
 static void gather_pixel(struct hl_light_work *work, const hl_frame *frame,
@@ -77,18 +115,18 @@ static void gather_pixel(struct hl_light_work *work, const hl_frame *frame,
 static double noise_of(const struct hl_light_work *work, const hl_surface *surface)
 {
   const hl_light_data *grey = &work->grey;
-  double cap = HUGE_VAL, mean = 0;
+  double *bend2 = work->grey.weight[0], cap = HUGE_VAL, mean = 0; /* no weights yet */
+  int used = 0;
+  for (int i = 1; i + 1 < grey->n; i++)
+    if (hl_light_in_a_row(work, surface, i)) {
+      const double bend = grey->value[0][i - 1] - 2 * grey->value[0][i] + grey->value[0][i + 1];
+      bend2[used++] = bend * bend / 6;
+    }
   for (int round = 0; round < 6; round++) {
     double sum = 0;
-    long used = 0;
-    for (int i = 1; i + 1 < grey->n; i++) {
-      if (!hl_light_in_a_row(work, surface, i))
-        continue;
-      const double bend = grey->value[0][i - 1] - 2 * grey->value[0][i] + grey->value[0][i + 1];
-      sum += fmin(bend * bend / 6, cap);
-      used++;
-    }
-    mean = used > 0 ? sum / (double)used : 0;
+    for (int i = 0; i < used; i++)
+      sum += bend2[i] < cap ? bend2[i] : cap;
+    mean = used > 0 ? sum / used : 0;
     cap = 6 * mean;
   }
   return sqrt(mean);
@@ -147,11 +185,14 @@ hl_status hl_light_gather(hl_ctx *ctx, struct hl_light_work *work, const hl_fram
   if (surface->n > work->max_pixels)
     return hl_fail(ctx, HL_ERR_ARG, "surface has %d pixels, but the workspace is for %d",
                    surface->n, work->max_pixels);
+  if (work->on_cells)
+    hl_light_exchange(work);
   work->all.n = 0;
   work->all.channels = frame->channels;
-  order_by_pixel(work, surface);
+  const bool sorted = order_by_pixel(work, surface);
   for (int i = 0; i < surface->n; i++)
-    gather_pixel(work, frame, surface, work->ranked[i].index);
+    gather_pixel(work, frame, surface, sorted ? (int)(work->place[i] & 0xffffffffU) : i);
+  find_box(work, surface);
   const int n = work->all.n;
   work->grey.n = n;
   work->grey.channels = 1;
@@ -164,9 +205,16 @@ hl_status hl_light_gather(hl_ctx *ctx, struct hl_light_work *work, const hl_fram
 void hl_light_weigh(hl_light_data *data, hl_light_noise noise, const uint8_t *outlier)
 {
   const double absolute2 = noise.absolute * noise.absolute;
+  data->apart = 0;
   for (int c = 0; c < data->channels; c++)
     for (int i = 0; i < data->n; i++) {
       const double y = noise.relative * data->value[c][i];
       data->weight[c][i] = outlier && outlier[i] ? 0 : 1 / (y * y + absolute2);
+    }
+  for (int c = 0; data->side && c < data->channels; c++)
+    for (int i = 0; i < data->n; i++) {
+      const int area = hl_light_area(data, i);
+      data->weight[c][i] *= (double)data->stretch[i] * area;
+      data->apart += data->weight[c][i] * data->scatter[c][i] * (area - 1) / area;
     }
 }

@@ -72,7 +72,7 @@ static HL_APART void accumulate_parallel(const hl_light_model *model, const hl_l
                                          const hl_model_point *at, int threads, hl_model_work *work)
 {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (int b = 0; b < HL_BLOCKS; b++)
+  for (int b = 0; b < hl_blocks(data->n); b++)
     accumulate_block(model, data, at, work, b);
   (void)threads;
 }
@@ -83,7 +83,7 @@ static void accumulate(const hl_light_model *model, const hl_light_data *data,
   if (threads > 1)
     accumulate_parallel(model, data, at, threads, work);
   else
-    for (int b = 0; b < HL_BLOCKS; b++)
+    for (int b = 0; b < hl_blocks(data->n); b++)
       accumulate_block(model, data, at, work, b);
 }
 
@@ -111,7 +111,8 @@ int hl_model_fit_near(const hl_light_model *model, const hl_light_data *data, co
   out->nearness = nearness;
   hl_tangent_basis(s, out->t[0], out->t[1]);
   accumulate(model, data, out, threads, work);
-  out->cost = model->masking ? model->exponent_weight * exponent * exponent : 0;
+  out->cost = hl_light_apart(data);
+  out->cost += model->masking ? model->exponent_weight * exponent * exponent : 0;
   for (int k = 0; k < data->channels; k++) {
     double cost = 0;
     if (hl_censor_solve(model, data, k, work, out, &cost) != 0)
@@ -121,52 +122,109 @@ int hl_model_fit_near(const hl_light_model *model, const hl_light_data *data, co
   return out->cost == out->cost ? 0 : -1;
 }
 
+/* Sums of D'WD, D'Wr and r'Wr of a block. */
+typedef struct step_sums {
+  double inner[HL_SYSTEM_MAX], gradient[HL_NONLINEAR_MAX], cost;
+} step_sums;
+
+/* One sample of one channel: its residual, slopes and row. `m` and `q` are constants where it counts. */
+static inline void add_slopes(step_sums *sums, double (*cross)[HL_NONLINEAR_MAX], double weight,
+                              double r, const double *d, const double *band, int column, int n,
+                              const double *border, int m, int q)
+{
+  sums->cost += weight * r * r;
+  for (int u = 0, at = 0; u < q; u++) {
+    const double wd = weight * d[u];
+    sums->gradient[u] += wd * r;
+    for (int v = u; v < q; v++)
+      sums->inner[at++] += wd * d[v];
+    if (n > 0)
+      for (int l = 0; l < 4; l++)
+        cross[column + l][u] += band[l] * wd;
+    for (int j = 0; j < m; j++)
+      cross[n + j][u] += border[j] * wd;
+  }
+}
+
+/* Pixel i of the chunk of a near light, p of the data. */
+static void add_near_pixel(const hl_light_model *model, const hl_light_data *data,
+                           const hl_model_point *at, const hl_rows *c, int i, int p,
+                           hl_model_work *work, int b, step_sums *sums)
+{
+  const int n = model->has_lobe ? model->spline.n : 0;
+  for (int k = 0; k < data->channels; k++) {
+    double band[4] = {0}, border[HL_BORDER_MAX] = {0}, d[HL_NONLINEAR_MAX];
+    int column = 0;
+    if (!(data->weight[k][p] > 0))
+      continue;
+    const double fit = hl_rows_predict(model, c, i, at->x[k], &column, band, border, d, NULL);
+    if ((data->clipped[p] >> k & 1) && !(fit < data->value[k][p]))
+      continue;
+    add_slopes(sums, work->cross[b][k], data->weight[k][p], data->value[k][p] - fit, d, band,
+               column, n, border, hl_model_border(model), hl_model_nonlinear(model));
+  }
+}
+
+/* The same of a distant light, whose channels share most. */
+static inline void add_pixel(const hl_light_model *model, const hl_light_data *data,
+                             const hl_model_point *at, const hl_rows *c, int i, int p, int m, int q,
+                             hl_model_work *work, int b, step_sums *sums)
+{
+  const int n = model->has_lobe ? model->spline.n : 0;
+  hl_rows_shared shared;
+  double band[4];
+  hl_rows_share(model, c, i, &shared);
+  for (int l = 0; n > 0 && l < 4; l++)
+    band[l] = shared.lit_g * shared.band[l];
+  for (int k = 0; k < data->channels; k++) {
+    double d[HL_NONLINEAR_MAX];
+    if (!(data->weight[k][p] > 0))
+      continue;
+    const double fit = hl_rows_of_channel(&shared, n, m, q, at->x[k], d);
+    if ((data->clipped[p] >> k & 1) && !(fit < data->value[k][p]))
+      continue;
+    add_slopes(sums, work->cross[b][k], data->weight[k][p], data->value[k][p] - fit, d, band,
+               shared.column, n, shared.border, m, q);
+  }
+}
+
+static void differentiate_chunk(const hl_light_model *model, const hl_light_data *data,
+                                const hl_model_point *at, int first, int count, hl_model_work *work,
+                                int b, step_sums *sums)
+{
+  const int m = hl_model_border(model);
+  hl_rows c;
+  hl_rows_at(model, data, first, count, at, true, &c);
+  for (int i = 0; i < count; i++) {
+    const int p = first + i;
+    if (c.lit[i] <= 0 && !model->ambient)
+      for (int k = 0; k < data->channels; k++)
+        sums->cost += data->weight[k][p] * data->value[k][p] * data->value[k][p];
+    else if (model->near)
+      add_near_pixel(model, data, at, &c, i, p, work, b, sums);
+    else if (model->masking)
+      add_pixel(model, data, at, &c, i, p, m, 3, work, b, sums);
+    else if (m == 1)
+      add_pixel(model, data, at, &c, i, p, 1, 2, work, b, sums);
+    else
+      add_pixel(model, data, at, &c, i, p, m, 2, work, b, sums);
+  }
+}
+
 static void differentiate_block(const hl_light_model *model, const hl_light_data *data,
                                 const hl_model_point *at, hl_model_work *work, int b)
 {
-  const int n = model->has_lobe ? model->spline.n : 0;
-  const int q = hl_model_nonlinear(model);
   const int end = hl_block_first(data->n, b + 1);
-  double *inner = work->inner[b];
-  double *gradient = inner + HL_SYSTEM_MAX, *cost = gradient + HL_NONLINEAR_MAX;
-  memset(inner, 0, sizeof work->inner[b]);
+  step_sums sums;
+  memset(&sums, 0, sizeof sums);
   memset(work->cross[b], 0, sizeof work->cross[b]);
-  hl_rows c;
-  for (int first = hl_block_first(data->n, b); first < end; first += HL_ROWS_CHUNK) {
-    const int count = end - first < HL_ROWS_CHUNK ? end - first : HL_ROWS_CHUNK;
-    hl_rows_at(model, data, first, count, at, true, &c);
-    for (int i = 0; i < count; i++) {
-      const int p = first + i;
-      for (int k = 0; k < data->channels; k++) {
-        const double weight = data->weight[k][p];
-        double band[4] = {0}, border[HL_BORDER_MAX] = {0}, d[HL_NONLINEAR_MAX];
-        int column = 0;
-        if (!(weight > 0))
-          continue;
-        if (c.lit[i] <= 0 && !model->ambient) {
-          *cost += weight * data->value[k][p] * data->value[k][p];
-          continue;
-        }
-        const double fit = hl_rows_predict(model, &c, i, at->x[k], &column, band, border, d, NULL);
-        if ((data->clipped[p] >> k & 1) && !(fit < data->value[k][p]))
-          continue;
-        const double r = data->value[k][p] - fit;
-        *cost += weight * r * r;
-        double(*cross)[HL_NONLINEAR_MAX] = work->cross[b][k];
-        for (int u = 0, at_inner = 0; u < q; u++) {
-          const double wd = weight * d[u];
-          gradient[u] += wd * r;
-          for (int v = u; v < q; v++)
-            inner[at_inner++] += wd * d[v];
-          if (n > 0)
-            for (int l = 0; l < 4; l++)
-              cross[column + l][u] += band[l] * wd;
-          for (int j = 0; j < HL_BORDER_MAX; j++)
-            cross[n + j][u] += border[j] * wd;
-        }
-      }
-    }
-  }
+  for (int first = hl_block_first(data->n, b); first < end; first += HL_ROWS_CHUNK)
+    differentiate_chunk(model, data, at, first,
+                        end - first < HL_ROWS_CHUNK ? end - first : HL_ROWS_CHUNK, work, b, &sums);
+  double *inner = work->inner[b];
+  memcpy(inner, sums.inner, sizeof sums.inner);
+  memcpy(inner + HL_SYSTEM_MAX, sums.gradient, sizeof sums.gradient);
+  inner[HL_SYSTEM_MAX + HL_NONLINEAR_MAX] = sums.cost;
 }
 
 static HL_APART void differentiate_parallel(const hl_light_model *model, const hl_light_data *data,
@@ -174,7 +232,7 @@ static HL_APART void differentiate_parallel(const hl_light_model *model, const h
                                             hl_model_work *work)
 {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (int b = 0; b < HL_BLOCKS; b++)
+  for (int b = 0; b < hl_blocks(data->n); b++)
     differentiate_block(model, data, at, work, b);
   (void)threads;
 }
@@ -188,10 +246,11 @@ void hl_model_differentiate(const hl_light_model *model, const hl_light_data *da
   if (threads > 1)
     differentiate_parallel(model, data, at, threads, work);
   else
-    for (int b = 0; b < HL_BLOCKS; b++)
+    for (int b = 0; b < hl_blocks(data->n); b++)
       differentiate_block(model, data, at, work, b);
   memset(out, 0, sizeof *out);
-  for (int b = 0; b < HL_BLOCKS; b++) {
+  out->cost = hl_light_apart(data);
+  for (int b = 0; b < hl_blocks(data->n); b++) {
     for (int u = 0, i = 0; u < q; u++) {
       out->gradient[u] += work->inner[b][HL_SYSTEM_MAX + u];
       for (int v = u; v < q; v++)
@@ -201,7 +260,7 @@ void hl_model_differentiate(const hl_light_model *model, const hl_light_data *da
   }
   for (int k = 0; k < data->channels; k++) {
     double c[HL_NONLINEAR_MAX][HL_COLUMNS_MAX] = {{0}}, (*solved)[HL_COLUMNS_MAX] = out->solved[k];
-    for (int b = 0; b < HL_BLOCKS; b++)
+    for (int b = 0; b < hl_blocks(data->n); b++)
       for (int i = 0; i < columns; i++)
         for (int u = 0; u < q; u++)
           c[u][i] += work->cross[b][k][i][u];

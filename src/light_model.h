@@ -13,7 +13,10 @@ enum {
   HL_NONLINEAR_MAX = 4, /* two tangent coordinates of s, the masking's exponent, the nearness */
   HL_SYSTEM_MAX = (HL_NONLINEAR_MAX * (HL_NONLINEAR_MAX + 1)) / 2
 };
-enum { HL_BLOCKS = 16 }; /* fixed, so that sums do not depend on the number of threads */
+enum {
+  HL_BLOCKS = 16,
+  HL_BLOCKS_FROM = 2048
+}; /* fixed, so that sums do not depend on the number of threads */
 
 /* One thread goes without OpenMP, whose runtime may allocate: not even its entry is called, which is
  * why the parallel loops are functions of their own. */
@@ -27,7 +30,39 @@ typedef struct hl_light_data {
   double *value[HL_CHANNELS_MAX];  /* radiance; the saturation level where clipped */
   double *weight[HL_CHANNELS_MAX]; /* 1 / variance; 0 = leave out */
   uint8_t *clipped;                /* bit c: channel c is at least `value` */
+  uint8_t
+      *side; /* pixels along a side of the square that a sample is the mean of; NULL: all are 1 */
+  double
+      *scatter[HL_CHANNELS_MAX]; /* variance of a pixel about its sample; nothing without `side` */
+  int pixels;                    /* that the samples stand for, with `side` */
+  double effective;              /* with `side`: see hl_light_effective */
+  float *stretch; /* with `side`: as many times the weight, for others that were left out */
+  double apart;   /* with `side`: cost of the pixels about their samples */
 } hl_light_data;
+
+/* Pixels that a sample is the mean of. */
+static inline int hl_light_area(const hl_light_data *data, int i)
+{
+  return data->side ? data->side[i] * data->side[i] : 1;
+}
+
+/* Pixels whose noise is as large a share of the cost as the samples' is: fewer, where some stand for others
+ * that were left out. */
+static inline double hl_light_effective(const hl_light_data *data)
+{
+  return data->side ? data->effective : data->n;
+}
+
+/* Pixels that all samples stand for. */
+static inline int hl_light_pixels(const hl_light_data *data)
+{
+  return data->side ? data->pixels : data->n;
+}
+
+static inline double hl_light_apart(const hl_light_data *data)
+{
+  return data->side ? data->apart : 0;
+}
 
 typedef struct hl_light_model {
   hl_lobe lobe;  /* plain or foreshortened */

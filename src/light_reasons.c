@@ -86,8 +86,8 @@ static void judge_noise(const struct hl_light_work *work, const hl_light *light,
         "known to %.1f deg (95 %%), by noise: average %.0f frames, expose %.1f stops more, "
         "or a ball of %.0f px across, now %.0f",
         wide, ceil(times * times), 2 * log2_of(times),
-        ceil(times * 2 * sqrt(work->all.n / 3.141592653589793)),
-        2 * sqrt(work->all.n / 3.141592653589793));
+        ceil(times * 2 * sqrt(hl_light_pixels(&work->all) / 3.141592653589793)),
+        2 * sqrt(hl_light_pixels(&work->all) / 3.141592653589793));
 }
 
 static void judge_width(const struct hl_light_work *work, const hl_light_spread *spread,

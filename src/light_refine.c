@@ -107,7 +107,8 @@ int hl_light_refine(const hl_light_model *model, const hl_light_data *data, int 
     out->iterations++;
     hl_model_differentiate(model, data, &out->at, threads, work, &out->step);
     gauss_newton_step(model, &out->step, delta);
-    const bool negligible = is_negligible(&out->step, hl_model_nonlinear(model), delta, data->n);
+    const bool negligible =
+        is_negligible(&out->step, hl_model_nonlinear(model), delta, hl_light_pixels(data));
     const bool lower =
         descend(model, data, &out->at, delta, tolerance_rad, threads, work, &work->trial);
     out->converged = hypot(delta[0], delta[1]) < tolerance_rad || negligible;

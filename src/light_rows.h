@@ -120,7 +120,8 @@ static inline double hl_rows_predict(const hl_light_model *model, const hl_rows 
           c->lit[i] * c->g[i] * lobe_rate * c->du[k][i] +
           (c->dlit[k][i] * c->g[i] + c->lit[i] * c->dg[k][i]) * lobe;
     if (steepness)
-      *steepness = fabs(c->lit[i] * c->g[i] * lobe_rate) * hypot(c->du[0][i], c->du[1][i]);
+      *steepness = fabs(c->lit[i] * c->g[i] * lobe_rate) *
+                   sqrt(c->du[0][i] * c->du[0][i] + c->du[1][i] * c->du[1][i]);
     if (model->masking)
       slope[2] = c->lit[i] * c->g[i] * lobe * c->masking[i];
   }
@@ -129,6 +130,59 @@ static inline double hl_rows_predict(const hl_light_model *model, const hl_rows 
     sum += border[j] * x[n + j];
   hl_rows_shading_slopes(model, c, i, x + n, slope);
   return sum;
+}
+
+/* What the channels of a pixel share, of a distant light. */
+typedef struct hl_rows_shared {
+  int column;
+  double band[4], rate[4]; /* of the splines, bare */
+  double lit_g;
+  double along[2], across[2]; /* of a tangent: by the spline's slope, and by its value */
+  double border[HL_BORDER_MAX], border_rate[HL_BORDER_MAX];
+  double dbody[2], masking;
+} hl_rows_shared;
+
+static inline void hl_rows_share(const hl_light_model *model, const hl_rows *c, int i,
+                                 hl_rows_shared *out)
+{
+  *out = (hl_rows_shared){.lit_g = c->lit[i] * c->g[i]};
+  if (model->has_lobe) {
+    out->column = hl_spline_values(&model->spline, c->u[i], out->band);
+    hl_spline_slopes(&model->spline, out->column, c->u[i], out->rate);
+    for (int k = 0; k < 2; k++) {
+      out->along[k] = out->lit_g * c->du[k][i];
+      out->across[k] = c->dlit[k][i] * c->g[i] + c->lit[i] * c->dg[k][i];
+    }
+  }
+  for (int j = 0; j < hl_model_shaded(model); j++)
+    out->border[j] = hl_rows_shaded(model, j, c->body[i], c->nv[i], &out->border_rate[j]);
+  if (model->ambient) {
+    out->border[hl_model_shaded(model)] = 1;
+    out->border_rate[hl_model_shaded(model)] = 0;
+  }
+  out->dbody[0] = c->dbody[0][i];
+  out->dbody[1] = c->dbody[1][i];
+  out->masking = model->masking ? c->masking[i] : 0;
+}
+
+/* Value and slopes of one channel; as hl_rows_predict. */
+static inline double hl_rows_of_channel(const hl_rows_shared *p, int n, int m, int nonlinear,
+                                        const double *x, double *slope)
+{
+  double lobe = 0, lobe_rate = 0, body = 0, body_rate = 0;
+  for (int k = 0; n > 0 && k < 4; k++) {
+    lobe += p->band[k] * x[p->column + k];
+    lobe_rate += p->rate[k] * x[p->column + k];
+  }
+  for (int j = 0; j < m; j++) {
+    body += p->border[j] * x[n + j];
+    body_rate += p->border_rate[j] * x[n + j];
+  }
+  for (int k = 0; k < 2; k++)
+    slope[k] = p->dbody[k] * body_rate + p->along[k] * lobe_rate + p->across[k] * lobe;
+  if (nonlinear > 2)
+    slope[2] = p->lit_g * lobe * p->masking;
+  return (n > 0 ? p->lit_g * lobe : 0) + body;
 }
 
 #endif

@@ -1,12 +1,11 @@
 /* Where on the sphere of lights to start.
  *
- * A few hundred directions out to widest_deg from the view (a light behind the rim still lights a
+ * A grid of directions out to widest_deg from the view (a light behind the rim still lights a
  * crescent), and the mirror directions s = 2(n.v)n - v of the brightest separate spots, because a
  * sharp highlight falls between the grid's directions. Each is judged by the model itself with a
- * coarse basis on some two thousand pixels: the brightest few hundred, which hold a sharp
- * highlight, and a regular choice of the rest, which hold the shadow. The best that are well apart
- * are refined, on those pixels and then on all. Weights are relative to the pixel: they find the
- * right basin also where a highlight is a thousand times brighter than the rest.
+ * coarse basis on some hundred cells (light_pixels.c). The best that are well apart are refined, on
+ * those and then on all samples, with both kinds of lobe. Weights are relative to the pixel: they find
+ * the right basin also where a highlight is a thousand times brighter than the rest.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -16,10 +15,9 @@
 #include "light_work.h"
 
 enum {
-  GRID = 360,
+  GRID = 120,
   SPOTS = 4,
   BRIGHTEST = 400,
-  REGULAR = 1400,
   COARSE_BREAKS = 14,
   MIDDLE_BREAKS = 24,
   CENSOR_ROUNDS = 4,
@@ -31,46 +29,28 @@ static const double pi = 3.14159265358979323846;
 static const double spots_apart_rad = 0.15;
 static const double candidates_apart_rad = 0.26;
 static const double coarse_tolerance_rad = 1e-4;
+static const double same_rad = 1e-3;
 static const double worth_refining = 2; /* times the least cost on the coarse pixels */
 
-static void choose_coarse(struct hl_light_work *work)
+void hl_light_choose_coarse(struct hl_light_work *work, int most)
 {
-  const hl_light_data *grey = &work->grey;
-  hl_light_data *coarse = &work->coarse;
-  const int brightest = grey->n < BRIGHTEST ? grey->n : BRIGHTEST;
-  const int stride = grey->n / REGULAR + 1;
-  coarse->n = 0;
-  coarse->channels = 1;
-  memset(work->outlier, 0, (size_t)grey->n);
-  for (int i = 0; i < brightest; i++)
-    work->outlier[work->ranked[i].index] = 1; /* a mark for this function alone */
-  for (int i = 0; i < grey->n; i++)
-    if (work->outlier[i] || i % stride == 0) {
-      const int p = coarse->n++;
-      for (int k = 0; k < 3; k++) {
-        coarse->normal[k][p] = grey->normal[k][i];
-        coarse->view[k][p] = grey->view[k][i];
-      }
-      coarse->footprint[p] = grey->footprint[i];
-      coarse->value[0][p] = grey->value[0][i];
-      coarse->clipped[p] = grey->clipped[i];
-    }
-  memset(work->outlier, 0, (size_t)grey->n);
+  hl_light_take_cells(work, most < HL_COARSE_MAX ? most : HL_COARSE_MAX, &work->grey, &work->coarse,
+                      NULL);
 }
 
-static int grid_directions(const double axis[3], double widest_rad, double (*out)[3])
+static int grid_directions(const double axis[3], double widest_rad, int count, double (*out)[3])
 {
   double u[3], w[3];
   hl_tangent_basis(axis, u, w);
   const double golden = pi * (1 + sqrt(5.0));
-  for (int i = 0; i < GRID; i++) {
-    const double z = 1 - (i + 0.5) / GRID * (1 - cos(widest_rad));
+  for (int i = 0; i < count; i++) {
+    const double z = 1 - (i + 0.5) / count * (1 - cos(widest_rad));
     const double r = sqrt(fmax(0, 1 - z * z));
     for (int k = 0; k < 3; k++)
       out[i][k] =
           r * cos(golden * (i + 0.5)) * u[k] + r * sin(golden * (i + 0.5)) * w[k] + z * axis[k];
   }
-  return GRID;
+  return count;
 }
 
 /* Mirror directions of the brightest spots; a spot is the mean normal of its brightest pixels. */
@@ -129,32 +109,29 @@ static void insert_apart(hl_light_candidate *best, int *count, const hl_light_ca
   *count = kept + 1;
 }
 
-/* From work->refined.at.s downhill; -1 where the model cannot be fitted. */
-static int refine(struct hl_light_work *work, const hl_light_data *data, hl_light_model *model,
-                  int breaks, double tolerance_rad, int threads)
+static const hl_light_model searched = {.has_lobe = true, .body = 1, .ambient = true};
+
+static hl_light_noise noise_of(const hl_light_settings *settings)
 {
-  hl_light_breaks(data, work->refined.at.s, breaks, LEAST_PIXELS, &model->spline);
-  return hl_light_refine(model, data, ITERATIONS, tolerance_rad, threads, &work->model,
-                         &work->refined);
+  return (hl_light_noise){settings->model_error, 0.2 * settings->model_error};
 }
 
-int hl_light_search(struct hl_light_work *work, const hl_light_settings *settings, hl_lobe lobe,
-                    hl_light_candidate out[HL_CANDIDATES])
+int hl_light_look_around(struct hl_light_work *work, const hl_light_settings *settings,
+                         int directions, hl_light_candidate out[HL_CANDIDATES], int *passes)
 {
-  const hl_light_noise relative = {settings->model_error, 0.2 * settings->model_error};
+  hl_light_model model = searched;
   double axis[3] = {0}, start[GRID + SPOTS][3];
-  hl_light_model model = {.lobe = lobe, .has_lobe = true, .body = 1, .ambient = true};
-  choose_coarse(work);
+  int count = 0;
+  model.lobe = settings->lobe == HL_LOBE_PLAIN ? HL_LOBE_PLAIN : HL_LOBE_FORESHORTENED;
   work->model.censor_rounds = CENSOR_ROUNDS;
-  hl_light_weigh(&work->coarse, relative, NULL);
-  hl_light_weigh(&work->grey, relative, NULL);
+  hl_light_weigh(&work->coarse, noise_of(settings), NULL);
   for (int i = 0; i < work->coarse.n; i++)
     for (int k = 0; k < 3; k++)
       axis[k] += work->coarse.view[k][i];
   hl_unit(axis, axis);
-  int starts = grid_directions(axis, settings->widest_deg * pi / 180, start);
-  starts += spot_directions(work, start + starts);
-  int count = 0;
+  int starts = spot_directions(work, start);
+  starts += grid_directions(axis, settings->widest_deg * pi / 180,
+                            directions < GRID ? directions : GRID, start + starts);
   for (int i = 0; i < starts; i++) {
     hl_light_candidate one;
     memcpy(one.s, start[i], sizeof one.s);
@@ -164,33 +141,78 @@ int hl_light_search(struct hl_light_work *work, const hl_light_settings *setting
     one.cost = work->model.trial.cost;
     insert_apart(out, &count, &one);
   }
-  double least = HUGE_VAL;
-  for (int i = 0; i < count; i++) {
-    memcpy(work->refined.at.s, out[i].s, sizeof out[i].s);
-    /* twice, because the breaks follow the direction */
-    const bool fits =
-        refine(work, &work->coarse, &model, COARSE_BREAKS, coarse_tolerance_rad, 1) == 0 &&
-        refine(work, &work->coarse, &model, MIDDLE_BREAKS, coarse_tolerance_rad, 1) == 0;
-    memcpy(out[i].s, work->refined.at.s, sizeof out[i].s);
-    out[i].cost = fits ? work->refined.at.cost : HUGE_VAL;
-    least = fmin(least, out[i].cost);
+  *passes = starts;
+  return count;
+}
+
+/* From *s downhill on work->coarse, twice, because the breaks follow the direction. */
+static double refine_coarse(struct hl_light_work *work, hl_light_model *model, double s[3])
+{
+  memcpy(work->refined.at.s, s, sizeof work->refined.at.s);
+  for (int round = 0; round < 2; round++) {
+    const int breaks = round == 0 ? COARSE_BREAKS : MIDDLE_BREAKS;
+    hl_light_breaks(&work->coarse, work->refined.at.s, breaks, LEAST_PIXELS, &model->spline);
+    if (hl_light_refine(model, &work->coarse, ITERATIONS, coarse_tolerance_rad, 1, &work->model,
+                        &work->refined) != 0)
+      return HUGE_VAL;
   }
-  int found = 0;
+  memcpy(s, work->refined.at.s, sizeof work->refined.at.s);
+  return work->refined.at.cost;
+}
+
+/* The same on all samples. */
+static double refine_fine(struct hl_light_work *work, hl_light_model *model, int threads,
+                          double s[3])
+{
+  memcpy(work->refined.at.s, s, sizeof work->refined.at.s);
+  hl_light_breaks(&work->grey, s, FINE_BREAKS, LEAST_PIXELS, &model->spline);
+  if (hl_light_refine(model, &work->grey, ITERATIONS, coarse_tolerance_rad, threads, &work->model,
+                      &work->refined) != 0)
+    return HUGE_VAL;
+  memcpy(s, work->refined.at.s, sizeof work->refined.at.s);
+  return work->refined.at.cost;
+}
+
+/* The best of the candidates with this kind of lobe, refined. */
+static double best_of(struct hl_light_work *work, const hl_light_settings *settings,
+                      hl_light_model *model, const hl_light_candidate *from, int count,
+                      double best[3])
+{
+  hl_light_candidate one[HL_CANDIDATES];
+  double least = HUGE_VAL, cost = HUGE_VAL;
+  memcpy(one, from, sizeof *one * (size_t)count);
   for (int i = 0; i < count; i++) {
-    if (!(out[i].cost <= worth_refining * least))
-      continue;
-    memcpy(work->refined.at.s, out[i].s, sizeof out[i].s);
-    if (refine(work, &work->grey, &model, FINE_BREAKS, coarse_tolerance_rad, settings->threads) !=
-        0)
-      continue;
-    memcpy(out[found].s, work->refined.at.s, sizeof out[found].s);
-    out[found++].cost = work->refined.at.cost;
+    one[i].cost = refine_coarse(work, model, one[i].s);
+    least = fmin(least, one[i].cost);
   }
-  for (int i = 1; i < found; i++)
-    if (out[i].cost < out[0].cost) {
-      const hl_light_candidate swap = out[0];
-      out[0] = out[i];
-      out[i] = swap;
+  for (int i = 0; i < count; i++) {
+    bool seen = false; /* two that ran into one */
+    for (int j = 0; j < i; j++)
+      seen = seen || hl_angle(one[i].s, one[j].s) < same_rad;
+    if (seen || !(one[i].cost <= worth_refining * least))
+      continue;
+    const double fine = refine_fine(work, model, settings->threads, one[i].s);
+    if (fine < cost) {
+      cost = fine;
+      memcpy(best, one[i].s, sizeof one[i].s);
     }
-  return found;
+  }
+  return cost;
+}
+
+bool hl_light_start(struct hl_light_work *work, const hl_light_settings *settings,
+                    const hl_light_candidate *found, int count, double start[2][3])
+{
+  hl_light_model model = searched;
+  double cost[2] = {HUGE_VAL, HUGE_VAL};
+  hl_light_weigh(&work->grey, noise_of(settings), NULL);
+  for (int kind = 0; kind < 2; kind++) {
+    model.lobe = kind == 0 ? HL_LOBE_PLAIN : HL_LOBE_FORESHORTENED;
+    if (settings->lobe == HL_LOBE_AUTO || settings->lobe == model.lobe)
+      cost[kind] = best_of(work, settings, &model, found, count, start[kind]);
+  }
+  for (int kind = 0; kind < 2; kind++)
+    if (!isfinite(cost[kind]))
+      memcpy(start[kind], start[1 - kind], sizeof start[kind]);
+  return isfinite(cost[0]) || isfinite(cost[1]);
 }

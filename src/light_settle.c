@@ -15,7 +15,7 @@ enum { ROUNDS = 2, PASSES = 6, AREA_ROUNDS = 2 };
 static const double least_colored_gain = 0.02;
 
 /* Cost that the pixels' noise alone leaves: second differences along the rows of the frame, in which
- * shading is straight; the few that lie across an edge or a highlight are capped. */
+ * shading is straight, and in cells; the few that lie across an edge or a highlight are capped. */
 static double noise_cost(const struct hl_light_work *work, const hl_surface *surface)
 {
   const hl_light_data *d = &work->all;
@@ -26,6 +26,12 @@ static double noise_cost(const struct hl_light_work *work, const hl_surface *sur
       double total = 0;
       long used = 0;
       for (int i = 1; i + 1 < d->n; i++) {
+        const int area = hl_light_area(d, i);
+        if (area > 1) {
+          total +=
+              area * fmin(d->weight[c][i] / (area * (double)d->stretch[i]) * d->scatter[c][i], cap);
+          used += area;
+        }
         if (!hl_light_in_a_row(work, surface, i))
           continue;
         const double bend = d->value[c][i - 1] - 2 * d->value[c][i] + d->value[c][i + 1];
@@ -35,7 +41,7 @@ static double noise_cost(const struct hl_light_work *work, const hl_surface *sur
       mean = used > 0 ? total / (double)used : 0;
       cap = 6 * mean;
     }
-    sum += mean * d->n;
+    sum += mean * hl_light_pixels(d);
   }
   return sum;
 }
@@ -140,7 +146,8 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
     hl_light_weigh(&work->all, hl_light_final_noise, work->outlier);
   }
   memcpy(out->compared_s, work->best.at.s, sizeof out->compared_s);
-  for (int round = 0; st == HL_OK && surface->is_ball && round < AREA_ROUNDS; round++) {
+  for (int round = 0; st == HL_OK && surface->is_ball && round < (work->on_cells ? 1 : AREA_ROUNDS);
+       round++) {
     hl_light_bring_to_middle(work, &out->variant[out->kept].model, surface, settings->threads);
     st = repeat(ctx, work, settings, 1, out);
   }

@@ -65,13 +65,16 @@ static void set_variant(hl_light_settled *out, hl_variant which, hl_lobe lobe, b
 double hl_light_gain(const struct hl_light_work *work, double without, double with)
 {
   const double least = 5e-4 / hl_light_final_noise.absolute;
-  return without > least * least * work->all.n * work->all.channels ? 1 - with / without : 0;
+  const hl_light_data *d = &work->all;
+  const double left =
+      without - hl_light_apart(d); /* within cells is nothing for a model to explain */
+  return left > least * least * hl_light_pixels(d) * d->channels ? 1 - with / without : 0;
 }
 
 /* What noise alone would make a model with so many more columns a channel save, some times over. */
 double hl_light_noise_gain(const struct hl_light_work *work, int columns)
 {
-  return 4.0 * columns / work->all.n;
+  return 4.0 * columns / hl_light_effective(&work->all);
 }
 
 /* Simple or bent, of one kind of lobe. */
@@ -94,7 +97,9 @@ static void choose(const struct hl_light_work *work, const hl_light_settings *se
   const hl_variant foreshortened = of_kind(work, settings, out, HL_VARIANT_FORESHORTENED);
   /* shading bends a little too: what a model leaves bounds the noise from above */
   const double least = fmin(out->variant[plain].cost, out->variant[foreshortened].cost);
-  const double floor = (1 - noise_margin) * fmin(out->noise_cost, least);
+  /* beyond any camera there is no noise to speak of */
+  const bool shows = hl_light_gain(work, out->variant[foreshortened].cost, 0) > 0;
+  const double floor = shows ? (1 - noise_margin) * fmin(out->noise_cost, least) : 0;
   const double plain_left = out->variant[plain].cost - floor;
   const double foreshortened_left = out->variant[foreshortened].cost - floor;
   const bool is_plain = !isfinite(foreshortened_left) ||
@@ -112,6 +117,20 @@ static void choose(const struct hl_light_work *work, const hl_light_settings *se
     out->kept = HL_VARIANT_MATTE;
 }
 
+static void refine_bent(struct hl_light_work *work, const hl_light_settings *settings, int kind,
+                        hl_light_settled *out)
+{
+  const double weight = bent_error * hl_light_pixels(&work->all) * work->all.channels;
+  const hl_light_variant *simple = &out->variant[HL_VARIANT_PLAIN + kind];
+  hl_light_variant *bent = &out->variant[HL_VARIANT_PLAIN_BENT + kind];
+  if (!isfinite(simple->cost) || settings->without & 1U << HL_LIGHT_BENDS)
+    return;
+  bent->model.exponent_weight = weight / (exponent_spread * exponent_spread);
+  for (int c = 0; c < work->all.channels; c++)
+    bent->model.body_weight[c] = weight / work->all.channels;
+  hl_light_refine_variant(work, settings, simple->s, 1, bent);
+}
+
 void hl_light_shape(struct hl_light_work *work, const hl_light_settings *settings,
                     const double start[2][3], hl_light_settled *out)
 {
@@ -120,22 +139,17 @@ void hl_light_shape(struct hl_light_work *work, const hl_light_settings *setting
   set_variant(out, HL_VARIANT_FORESHORTENED, HL_LOBE_FORESHORTENED, false);
   set_variant(out, HL_VARIANT_PLAIN_BENT, HL_LOBE_PLAIN, true);
   set_variant(out, HL_VARIANT_FORESHORTENED_BENT, HL_LOBE_FORESHORTENED, true);
-  const double weight = bent_error * work->all.n * work->all.channels;
   for (int kind = 0; kind < 2; kind++) {
     const hl_lobe lobe = kind == 0 ? HL_LOBE_PLAIN : HL_LOBE_FORESHORTENED;
-    hl_light_variant *simple = &out->variant[HL_VARIANT_PLAIN + kind];
-    hl_light_variant *bent = &out->variant[HL_VARIANT_PLAIN_BENT + kind];
-    if (settings->lobe != HL_LOBE_AUTO && settings->lobe != lobe)
-      continue;
-    if (hl_light_refine_variant(work, settings, start[kind], 1, simple) != HL_OK)
-      continue;
-    if (settings->without & 1U << HL_LIGHT_BENDS)
-      continue;
-    bent->model.exponent_weight = weight / (exponent_spread * exponent_spread);
-    for (int c = 0; c < work->all.channels; c++)
-      bent->model.body_weight[c] = weight / work->all.channels;
-    hl_light_refine_variant(work, settings, simple->s, 1, bent);
+    if (settings->lobe == HL_LOBE_AUTO || settings->lobe == lobe)
+      (void)hl_light_refine_variant(work, settings, start[kind], 1,
+                                    &out->variant[HL_VARIANT_PLAIN + kind]);
   }
+  const bool plain =
+      out->variant[HL_VARIANT_PLAIN].cost < out->variant[HL_VARIANT_FORESHORTENED].cost;
+  for (int kind = 0; kind < 2; kind++)
+    if (!work->lean || kind == (plain ? 0 : 1))
+      refine_bent(work, settings, kind, out);
   const hl_light_variant *simple = &out->variant[HL_VARIANT_PLAIN];
   if (!(simple->cost < out->variant[HL_VARIANT_FORESHORTENED].cost))
     simple = &out->variant[HL_VARIANT_FORESHORTENED];

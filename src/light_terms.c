@@ -97,11 +97,13 @@ void hl_light_switch_on(unsigned on, hl_light_model *model)
 
 static double dark_share(const hl_light_data *d, const double s[3])
 {
-  int dark = 0;
-  for (int i = 0; i < d->n; i++)
-    dark +=
-        d->normal[0][i] * s[0] + d->normal[1][i] * s[1] + d->normal[2][i] * s[2] < -d->footprint[i];
-  return d->n > 0 ? (double)dark / d->n : 0;
+  int dark = 0, all = 0;
+  for (int i = 0; i < d->n; i++) {
+    const double ns = d->normal[0][i] * s[0] + d->normal[1][i] * s[1] + d->normal[2][i] * s[2];
+    dark += ns < -d->footprint[i] ? hl_light_area(d, i) : 0;
+    all += hl_light_area(d, i);
+  }
+  return all > 0 ? (double)dark / all : 0;
 }
 
 /* g' H^-1 g of a point's step: what a full step would save, were the cost quadratic. */

@@ -24,6 +24,7 @@
 
 enum { TILES_ACROSS = 64 };
 static const double structured_ratio = 2.5;
+static const double thinned_share = 0.9;
 static const double lit_share = 0.02; /* of level */
 static const double defensible_ratio = 0.25, coarse_weight = 0.5;
 
@@ -97,6 +98,7 @@ static double relative_size(double a[2][2], double b[2][2])
 }
 
 typedef struct sums {
+  double within[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX]; /* of scores: by pixels about their cells */
   double h[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX];
   double rr, ww, fit_error, data, mean, variance, residual;
   double lobe, body; /* information on s by the two parts of the slope */
@@ -119,7 +121,7 @@ static double departure(const struct hl_light_work *work, const hl_surface *surf
   const double r = y[i] - f[i].value;
   if (i == 0 || i + 1 == d->n || !(w[i - 1] > 0 && w[i + 1] > 0) ||
       !hl_light_in_a_row(work, surface, i))
-    return r;
+    return hl_light_area(d, i) > 1 ? copysign(sqrt(d->scatter[c][i] / hl_light_area(d, i)), r) : r;
   return (2 * r - (y[i - 1] - f[i - 1].value) - (y[i + 1] - f[i + 1].value)) / sqrt(6.0);
 }
 
@@ -137,25 +139,30 @@ static void add_channel(struct hl_light_work *work, const hl_surface *surface,
     if (!(w > 0) || (clipped && !(f->value < y)))
       continue;
     const double r = y - f->value, noise = departure(work, surface, c, i);
+    const int area = hl_light_area(d, i);
+    const double scatter = area > 1 ? d->scatter[c][i] : 0;
+    const double apart = w * w * scatter * (area - 1) / ((double)area * area);
     for (int u = 0; u < q; u++) {
+      for (int v = 0; area > 1 && v < q; v++)
+        s->within[u][v] += apart * f->profiled[u] * f->profiled[v];
       work->score[i][u] += w * r * f->profiled[u];
       work->noise[i][u] += w * noise * f->profiled[u];
       for (int v = 0; v < q; v++)
         s->h[u][v] += w * f->profiled[u] * f->profiled[v];
     }
-    s->rr += r * r;
-    s->samples++;
+    s->rr += area * r * r + (area - 1) * scatter;
+    s->samples += area;
     if (!clipped) {
       const double t = compressed(y), difference = t - compressed(f->value);
-      s->mean += t;
-      s->variance += t * t;
-      s->residual += difference * difference;
-      s->ww += 1;
+      s->mean += area * t;
+      s->variance += area * t * t;
+      s->residual += area * difference * difference;
+      s->ww += area;
     }
     if (y > lit_share) {
-      s->fit_error += fabs(r);
-      s->data += y;
-      s->lit++;
+      s->fit_error += area * fabs(r);
+      s->data += area * y;
+      s->lit += area;
     }
   }
 }
@@ -167,23 +174,26 @@ static double highlight_share(struct hl_light_work *work, const hl_light_model *
   const hl_light_data *d = &work->all;
   if (!model->has_lobe)
     return 0;
+  enum { CHUNK = 64 };
   double lobe = 0, body = 0;
   hl_model_point *without = &work->model.trial;
-  for (int c = 0; c < d->channels; c++) {
-    hl_model_predict(model, d, &work->best.at, NULL, 0, d->n, c, work->fit);
-    *without = work->best.at;
+  *without = work->best.at;
+  for (int c = 0; c < d->channels; c++)
     for (int j = 0; j < model->body; j++)
       without->x[c][model->spline.n + j] = 0;
-    for (int i = 0; i < d->n; i++) {
-      hl_model_pixel part;
-      hl_model_predict(model, d, without, NULL, i, 1, c, &part);
-      for (int k = 0; k < 2; k++) {
-        const double rest = work->fit[i].slope[k] - part.slope[k];
-        lobe += d->weight[c][i] * part.slope[k] * part.slope[k];
-        body += d->weight[c][i] * rest * rest;
-      }
+  for (int c = 0; c < d->channels; c++)
+    for (int first = 0; first < d->n; first += CHUNK) {
+      hl_model_pixel all[CHUNK], part[CHUNK];
+      const int count = d->n - first < CHUNK ? d->n - first : CHUNK;
+      hl_model_predict(model, d, &work->best.at, NULL, first, count, c, all);
+      hl_model_predict(model, d, without, NULL, first, count, c, part);
+      for (int i = 0; i < count; i++)
+        for (int k = 0; k < 2; k++) {
+          const double w = d->weight[c][first + i], rest = all[i].slope[k] - part[i].slope[k];
+          lobe += w * part[i].slope[k] * part[i].slope[k];
+          body += w * rest * rest;
+        }
     }
-  }
   return lobe + body > 0 ? lobe / (lobe + body) : 0;
 }
 
@@ -192,14 +202,7 @@ static void tile_products(const struct hl_light_work *work, const hl_surface *su
                           double m[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX])
 {
   double tile[HL_TILES_MAX][HL_NONLINEAR_MAX] = {{0}};
-  int x0 = surface->width, x1 = 0, y0 = surface->height, y1 = 0;
-  for (int i = 0; i < surface->n; i++) {
-    const int x = surface->pixel[i] % surface->width, y = surface->pixel[i] / surface->width;
-    x0 = x < x0 ? x : x0;
-    x1 = x > x1 ? x : x1;
-    y0 = y < y0 ? y : y0;
-    y1 = y > y1 ? y : y1;
-  }
+  const int x0 = work->box.x0, x1 = work->box.x1, y0 = work->box.y0, y1 = work->box.y1;
   const int span = (x1 - x0 > y1 - y0 ? x1 - x0 : y1 - y0) + 1;
   /* some 24 tiles across the ball, and never more than the table holds */
   int side = span / 24 > 4 ? span / 24 : 4;
@@ -217,13 +220,18 @@ static void tile_products(const struct hl_light_work *work, const hl_surface *su
         m[u][v] += tile[t][u] * tile[t][v];
 }
 
-static void pixel_products(double (*score)[HL_NONLINEAR_MAX], int n, int q,
-                           double m[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX])
+/* Of single pixels: a cell's score, were it shared by all of its pixels, is as many times smaller, and to
+ * it comes what is within cells. */
+static void pixel_products(const hl_light_data *d, double (*score)[HL_NONLINEAR_MAX], const sums *s,
+                           int q, double m[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX])
 {
-  for (int i = 0; i < n; i++)
+  for (int i = 0; i < d->n; i++)
     for (int u = 0; u < q; u++)
       for (int v = 0; v < q; v++)
-        m[u][v] += score[i][u] * score[i][v];
+        m[u][v] += score[i][u] * score[i][v] / hl_light_area(d, i);
+  for (int u = 0; u < q; u++)
+    for (int v = 0; v < q; v++)
+      m[u][v] += s->within[u][v];
 }
 
 /* All of it into noise and the rest; the noise is cut to what leaves the rest a covariance. */
@@ -241,19 +249,18 @@ static void split(double all[2][2], double noise[2][2], hl_light_spread *out)
  * the less the worse it fits, and so does the answer under relative weights, which is half a model.
  */
 static void model_share(const struct hl_light_work *work, const hl_light_settled *settled,
-                        double out[2][2])
+                        double ratio, bool weights, double out[2][2])
 {
   const hl_model_point *at = &work->best.at;
   const double cost = settled->variant[settled->kept].cost;
   double total = 1, sum[2][2] = {{0}};
-  for (int i = HL_VARIANT_MATTE; i <= HL_VARIANTS; i++) {
+  for (int i = HL_VARIANT_MATTE; i < HL_VARIANTS + weights; i++) {
     const bool coarse = i == HL_VARIANTS;
     const double *s = coarse ? settled->coarse_s : settled->variant[i].s;
     if (!coarse && (i == (int)settled->kept || !isfinite(settled->variant[i].cost)))
       continue;
     const double weight =
-        coarse ? coarse_weight
-               : exp(-fmax(0, settled->variant[i].cost / cost - 1) / defensible_ratio);
+        coarse ? coarse_weight : exp(-fmax(0, settled->variant[i].cost / cost - 1) / ratio);
     double moved[3];
     hl_add_scaled(s, -1, settled->compared_s, moved);
     const double delta[2] = {hl_dot(moved, at->t[0]), hl_dot(moved, at->t[1])};
@@ -319,8 +326,8 @@ void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
     hl_model_predict(model, d, &work->best.at, work->best.step.solved, 0, d->n, c, work->fit);
     add_channel(work, surface, model, c, &s);
   }
-  pixel_products(work->score, d->n, q, white);
-  pixel_products(work->noise, d->n, q, noise);
+  pixel_products(d, work->score, &s, q, white);
+  pixel_products(d, work->noise, &s, q, noise);
   tile_products(work, surface, q, tiles);
   memset(out, 0, sizeof *out);
   hl_light_invert((const double(*)[HL_NONLINEAR_MAX])s.h, q, out->inverse);
@@ -332,7 +339,10 @@ void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
   if (out->structure > structured_ratio) {
     sandwich(out->inverse, noise, q, by_noise);
     split(by_tile, by_noise, out);
-    model_share(work, settled, out->model);
+    model_share(work, settled, defensible_ratio, true, out->model);
+  } else if (hl_light_effective(d) < thinned_share * hl_light_pixels(d)) {
+    /* what was left out might have told apart what noise alone leaves alike: by likelihood */
+    model_share(work, settled, 2 / hl_light_effective(d), false, out->model);
   } else {
     slight_bends(work, settled, out->model);
   }

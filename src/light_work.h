@@ -4,7 +4,7 @@
 
 #include "light_refine.h"
 
-enum { HL_COARSE_MAX = 2048, HL_TILES_MAX = 4096, HL_CANDIDATES = 3 };
+enum { HL_COARSE_MAX = 2048, HL_TILES_MAX = 4096, HL_CANDIDATES = 3, HL_CELL_LEVELS = 4 };
 
 typedef struct hl_ranked {
   double key;
@@ -19,12 +19,35 @@ typedef struct hl_light_brightness {
   int clipped;         /* pixels with a clipped channel */
 } hl_light_brightness;
 
+/* First and last column and row. */
+typedef struct hl_light_box {
+  int x0, x1, y0, y1;
+} hl_light_box;
+
+/* What is worked on, and what lies beside it. */
+typedef struct hl_light_samples {
+  hl_light_data all, grey;
+  int *index;
+  uint8_t *outlier;
+  double *area[HL_CHANNELS_MAX];
+} hl_light_samples;
+
 struct hl_light_work {
   int max_pixels, channels;
   void *pool;
-  hl_light_data all;    /* every pixel, every channel */
-  hl_light_data grey;   /* every pixel, mean of the channels; geometry shared with `all` */
-  hl_light_data coarse; /* the brightest and a regular few of `grey` */
+  hl_light_data all;      /* every pixel, every channel */
+  hl_light_data grey;     /* every pixel, mean of the channels; geometry shared with `all` */
+  hl_light_data coarse;   /* the brightest and a regular few of `grey` */
+  hl_light_samples aside; /* the other of pixels and cells; shape (max_pixels) */
+  bool on_cells;          /* `all` and its like are cells */
+  bool lean;              /* bends are tried on the better kind of lobe alone */
+  bool blocks;            /* the pixels' blocks are known: place, bend */
+  hl_light_box box;       /* of the gathered pixels */
+  uint64_t *place;        /* shape (2 max_pixels): Morton key and pixel, ascending; scratch */
+  float (
+      *bend)[HL_CELL_LEVELS]; /* shape (max_pixels): of the block of each size that begins there */
+  float *mean;                /* shape (max_pixels): of that block */
+  int *owner;                 /* shape (max_pixels): cell of each pixel; -1 = left out */
   hl_light_brightness brightness;
   hl_model_work model;
   hl_ranked *ranked;                    /* shape (max_pixels) */
@@ -44,6 +67,9 @@ static inline bool hl_light_in_a_row(const struct hl_light_work *work, const hl_
                                      int i)
 {
   const int at = surface->pixel[work->index[i]];
+  const uint8_t *side = work->all.side;
+  if (side && (side[i - 1] > 1 || side[i] > 1 || side[i + 1] > 1))
+    return false;
   return surface->pixel[work->index[i - 1]] == at - 1 &&
          surface->pixel[work->index[i + 1]] == at + 1 && !work->all.clipped[i - 1] &&
          !work->all.clipped[i] && !work->all.clipped[i + 1];
@@ -58,17 +84,40 @@ typedef struct hl_light_noise {
 /* light_gather.c: frame and surface into work; HL_ERR_ARG where they do not fit each other. */
 hl_status hl_light_gather(hl_ctx *ctx, struct hl_light_work *work, const hl_frame *frame,
                           const hl_surface *surface);
-/* Largest key first, ties in place; `scratch` has n places. */
+/* Largest key first, to a float's precision, ties in place; `scratch` has n places. */
 void hl_light_sort(hl_ranked *ranked, hl_ranked *scratch, int n);
 void hl_light_weigh(hl_light_data *data, hl_light_noise noise, const uint8_t *outlier);
 
-/* light_search.c: directions worth refining, best first. */
+/* light_pixels.c: cells of pixels. */
+/* By the upper 32 bits, ascending, ties in place; `scratch` has n places. */
+void hl_light_sort_places(uint64_t *place, uint64_t *scratch, int n);
+/* Blocks of the gathered pixels that can be cells. O(n). */
+void hl_light_find_blocks(struct hl_light_work *work, const hl_surface *surface);
+/* At most `most` samples of `full`, the pixels' all or grey; `samples`, where not NULL, receives their
+ * places, and work->owner theirs. O(n). */
+void hl_light_take_cells(struct hl_light_work *work, int most, const hl_light_data *full,
+                         hl_light_data *out, hl_light_samples *samples);
+/* light_samples.c */
+/* Work on at most `most` cells from here on. */
+void hl_light_to_cells(struct hl_light_work *work, int most);
+/* From pixels to cells, and back. */
+void hl_light_exchange(struct hl_light_work *work);
+
+/* light_search.c */
 typedef struct hl_light_candidate {
   double s[3];
-  double cost; /* on all pixels, relative weights */
+  double cost; /* relative weights */
 } hl_light_candidate;
-int hl_light_search(struct hl_light_work *work, const hl_light_settings *settings, hl_lobe lobe,
-                    hl_light_candidate out[HL_CANDIDATES]);
+/* The pixels' cells to look around with, at most so many; before hl_light_to_cells. */
+void hl_light_choose_coarse(struct hl_light_work *work, int most);
+/* The best few of so many directions and the brightest spots, well apart, on the coarse samples, in as many
+ * passes; before hl_light_to_cells. Returns how many. */
+int hl_light_look_around(struct hl_light_work *work, const hl_light_settings *settings,
+                         int directions, hl_light_candidate out[HL_CANDIDATES], int *passes);
+/* From them, where to start with a plain and with a foreshortened lobe; false: no direction explains the
+ * frame. */
+bool hl_light_start(struct hl_light_work *work, const hl_light_settings *settings,
+                    const hl_light_candidate *found, int count, double start[2][3]);
 
 /* light_area.c: bring the pixels' means to what their middles show, by the fit at work->best. */
 void hl_light_bring_to_middle(struct hl_light_work *work, const hl_light_model *model,
@@ -145,6 +194,16 @@ int hl_light_mark_outliers(struct hl_light_work *work, const hl_light_model *mod
 hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surface *surface,
                           const hl_light_settings *settings, const double start[2][3],
                           hl_light_settled *out);
+
+/* light_finish.c: from cells to all pixels; work->best is left at the answer. */
+hl_status hl_light_finish(hl_ctx *ctx, struct hl_light_work *work,
+                          const hl_light_settings *settings, hl_light_settled *out);
+
+/* Mean of the channels, by the fit at work->best and measured, of every pixel worked on. */
+void hl_light_predict_pixels(struct hl_light_work *work, const hl_light_model *model);
+
+/* Fitted, measured and used, from what was worked on to the surface's n pixels. */
+void hl_light_spread_over(struct hl_light_work *work, int surface_n);
 
 /* light_uncertainty.c */
 typedef struct hl_light_spread {

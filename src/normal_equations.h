@@ -42,7 +42,7 @@ static inline void hl_normal_add_wide(hl_normal *a, int first, const double band
   for (int k = 0; k < 4; k++)
     for (int l = k; l < 4; l++)
       a->band[first + k][l - k] += wb[k] * band[l];
-  /* all columns, zero or not: a fixed count is what the compiler can make vectors of */
+  /* a fixed count is what the compiler can make vectors of */
   for (int k = 0; k < 4; k++)
     for (int j = 0; j < width; j++)
       a->border[first + k][j] += wb[k] * border[j];
@@ -59,7 +59,11 @@ static inline void hl_normal_add_wide(hl_normal *a, int first, const double band
 static inline void hl_normal_add(hl_normal *a, int first, const double band[4],
                                  const double border[HL_BORDER_MAX], double weight, double y)
 {
-  if (a->m <= HL_BORDER_USUAL)
+  if (a->m <= 1)
+    hl_normal_add_wide(a, first, band, border, 1, weight, y);
+  else if (a->m <= 2)
+    hl_normal_add_wide(a, first, band, border, 2, weight, y);
+  else if (a->m <= HL_BORDER_USUAL)
     hl_normal_add_wide(a, first, band, border, HL_BORDER_USUAL, weight, y);
   else
     hl_normal_add_wide(a, first, band, border, HL_BORDER_MAX, weight, y);

@@ -47,14 +47,16 @@ typedef enum hl_light_term {
 HL_API const char *hl_light_term_name(hl_light_term term);
 
 typedef struct hl_light_settings {
-  hl_lobe lobe;       /* auto keeps the one with the smaller residual */
-  unsigned with;      /* bit t: term t is kept whatever it saves; HL_ERR_ARG for the response, which
+  hl_lobe lobe;     /* auto keeps the one with the smaller residual */
+  unsigned with;    /* bit t: term t is kept whatever it saves; HL_ERR_ARG for the response, which
                             one frame cannot tell from the free curves of lobe and body */
-  unsigned without;   /* bit t: term t is never tried; both is HL_ERR_ARG */
-  int pixels;         /* at most so many pixels are worked on; 0 = all */
-  double budget_ms;   /* best answer within this time, as far as can be; 0 = no limit */
-  int threads;        /* 0 = as many as the machine has; results do not depend on it */
-  double model_error; /* of the model, relative to the radiance: its weights while searching */
+  unsigned without; /* bit t: term t is never tried; both is HL_ERR_ARG */
+  int pixels;       /* at most so many samples are worked on, pixels and means of blocks of them
+                         where shading is straight; 0 = all pixels */
+  double budget_ms; /* best answer within this time, as far as can be; 0 = no limit, and no clock is
+                         looked at */
+  int threads;      /* 0 = as many as the machine has; results do not depend on it */
+  double model_error;    /* of the model, relative to the radiance: its weights while searching */
   double outlier_sigmas; /* pixels off by so many deviations are left out; 0 = never */
   double widest_deg;     /* largest angle from the view searched */
 } hl_light_settings;
@@ -124,7 +126,7 @@ typedef struct hl_light {
   int n_curves;
   hl_curve curves[2 * HL_CHANNELS_MAX];
 
-  int n_pixels;   /* used */
+  int n_pixels;   /* samples used */
   int n_clipped;  /* pixels with a clipped channel */
   int n_outliers; /* pixels left out */
   int iterations;
@@ -160,7 +162,7 @@ HL_API void hl_light_work_free(hl_light_work *work);
  * @return HL_OK, also where the answer is not to be trusted (out->trusted says);
  *         HL_ERR_ARG (sizes that do not belong together, settings);
  *         HL_ERR_DEGENERATE (black, constant or fully clipped: no direction at all)
- * Allocates nothing. Deterministic for any number of threads.
+ * Allocates nothing. Deterministic for any number of threads, unless budget_ms is set.
  */
 HL_API hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *frame,
                                    const hl_surface *surface, const hl_light_settings *settings,

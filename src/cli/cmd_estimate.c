@@ -55,6 +55,8 @@ static const hl_option options[] = {
     {"model-error", "E", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"outlier-sigmas", "K", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"widest-deg", "A", NULL, NULL, AT(light_settings), hl_light_fields, 0},
+    {"pixels", "N", NULL, NULL, AT(light_settings), hl_light_fields, 0},
+    {"budget-ms", "T", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"threads", "N", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"json", NULL, "Output", "print LIGHT.json on stdout and nothing else", AT(json), 0, 0},
     {"out", "DIR", NULL, "write light.json, curves.csv and lights.lp there", AT(out), 0, 0},
