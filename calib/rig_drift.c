@@ -251,13 +251,12 @@ static void judge_brightness(const rig_run *r, brightness *b, double sum, double
 }
 
 /* One round: all against the mean of those not yet named; the one furthest beyond its limit. */
-/* NOLINTNEXTLINE(readability-non-const-parameter) */
-static int worst_brightness(const rig_run *r, brightness *b, bool *named)
+static int worst_brightness(const rig_run *r, brightness *b, const bool *named)
 {
   double sum = 0, weight = 0, most = 0;
   int at = -1, still = 0;
   for (int i = 0; i < r->n; i++)
-    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): the status says there is memory */
     if (b[i].cause && !named[i]) {
       sum += b[i].change / b[i].variance;
       weight += 1 / b[i].variance;
@@ -296,7 +295,7 @@ static hl_status compare_intensities(hl_ctx *ctx, rig_run *r)
     b[i].cause = add(r, HL_RIG_INTENSITY, pair->name, pair->reference, pair->current);
   }
   for (int at; st == HL_OK && (at = worst_brightness(r, b, named)) >= 0;)
-    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): the status says there is memory */
     named[at] = true;
   free(named);
   free(b);
@@ -372,7 +371,7 @@ static void plan_tests(rig_run *r, double false_alarm)
     n += r->reference->ball[i].has_covariance && r->current->ball[i].has_covariance;
   int dark = 0;
   for (int i = 0; i < r->n; i++)
-    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): the status says there is memory */
     dark += !has_intensity(&r->reference->light[r->pair[i].reference],
                            &r->current->light[r->pair[i].current]);
   if (dark > 0)

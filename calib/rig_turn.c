@@ -37,8 +37,7 @@ void hl_rig_root(const double *a, int n, int stride, double *l)
       for (int k = 0; k < j; k++)
         sum -= l[i * n + k] * l[j * n + k];
       const bool positive = sum > 1e-14 * a[i * stride + i];
-      /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign) */
-      const double pivot = l[j * n + j];
+      const double pivot = i == j ? 0 : l[j * n + j];
       l[i * n + j] = i == j ? (positive ? sqrt(sum) : 0) : pivot > 0 ? sum / pivot : 0;
       l[j * n + i] = i == j ? l[i * n + j] : 0;
     }
@@ -269,7 +268,7 @@ static void rotation(const hl_triangle *t, const double *u, hl_rig_turn *turn)
   for (int i = 0; i < 3; i++) {
     double unit[HL_TRIANGLE_MAX] = {0};
     unit[i] = 1;
-    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign) */
+    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): its n numbers are set */
     turn->rotation_rad[i] = u[i];
     forward(t, unit, y[i]);
   }

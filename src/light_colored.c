@@ -61,7 +61,7 @@ static void shape_of(const lobe *of, int channels, int n, const double *colour, 
   memset(sum, 0, sizeof sum);
   for (int c = 0; c < channels; c++)
     for (int i = 0; i < n; i++) {
-      /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
+      /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): profile() fills n */
       x[i] += colour[c] * of[c].sx[i];
       for (int j = 0; j < n; j++)
         sum[i][j] += colour[c] * colour[c] * of[c].s[i][j];

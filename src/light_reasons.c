@@ -121,15 +121,17 @@ static void judge_width(const struct hl_light_work *work, const hl_light_spread 
 /* Shading in a handful of codes is steps, which no noise hides: neighbours then hold the same value. */
 static void judge_codes(const struct hl_light_work *work, hl_light *out)
 {
-  const hl_light_data *d = &work->all;
   const double rounding = 1e-9; /* of the area taken off and added again */
+  const bool aside = work->on_cells;
+  const hl_light_data *d = aside ? &work->aside.all : &work->all;
+  const int *index = aside ? work->aside.index : work->index;
+  const double *area = aside ? work->aside.area[0] : work->area[0], *y = d->value[0];
   long pairs = 0, equal = 0;
   for (int i = 1; i < d->n; i++)
-    if (work->index[i] == work->index[i - 1] + 1 && !d->clipped[i] && !d->clipped[i - 1] &&
-        d->value[0][i] > lit_share && d->value[0][i - 1] > lit_share) {
+    if (index[i] == index[i - 1] + 1 && !d->clipped[i] && !d->clipped[i - 1] && y[i] > lit_share &&
+        y[i - 1] > lit_share) {
       pairs++;
-      equal += fabs(d->value[0][i] + work->area[0][i] - d->value[0][i - 1] - work->area[0][i - 1]) <
-               rounding;
+      equal += fabs(y[i] + area[i] - y[i - 1] - area[i - 1]) < rounding;
     }
   if (pairs > 0 && (double)equal > most_equal * (double)pairs)
     hl_notes_add(&out->reasons, "codes",

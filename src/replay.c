@@ -1,6 +1,7 @@
 /* A session replayed: the common pose, all frames in parallel, then what they say together. */
 #include "halflight/replay.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -151,10 +152,7 @@ static void name_frames(const hl_replay_run *run, hl_lights *out, const char *wh
     const size_t at = strlen(names);
     const char *file = run->session->frame[i].file;
     if (n++ < NAMED_MAX && at + strlen(file) + 3 < sizeof names) {
-      /* NOLINTNEXTLINE(clang-analyzer-security.insecureAPI.strcpy) */
-      strcat(names, at > 0 ? ", " : "");
-      /* NOLINTNEXTLINE(clang-analyzer-security.insecureAPI.strcpy) */
-      strcat(names, file);
+      snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "", file);
     }
   }
   if (n > 0)

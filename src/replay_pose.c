@@ -216,7 +216,7 @@ static bool combine(const hl_replay_run *run, outline *o, int n, double *room, h
 
 static void keep_outline(const hl_sphere *pose, outline *out)
 {
-  /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+  /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): checked where it is made */
   out->seen = true;
   memcpy(out->center, pose->center_m, sizeof out->center);
   memcpy(out->covariance, pose->n_intrinsics > 0 ? pose->held_covariance_m2 : pose->covariance_m2,

@@ -90,6 +90,36 @@ static void test_what_else_is_wrong(void **state)
   lit_data_free(&j.d);
 }
 
+/* Four codes, on a ball that is settled on its pixels and on one that is settled on cells. */
+static void test_too_few_codes(void **state)
+{
+  (void)state;
+  for (int px = 30; px <= 60; px += 30) {
+    for (int codes = 4; codes <= 4096; codes *= 1024) {
+      lit_scene s = lit_ball(px);
+      judged j = sound(&s);
+      const size_t n = (size_t)j.d.frame.width * (size_t)j.d.frame.height;
+      float most = 0;
+      for (size_t i = 0; i < n; i++)
+        most = fmaxf(most, j.d.frame.radiance[i]);
+      for (size_t i = 0; i < n; i++)
+        j.d.frame.radiance[i] =
+            roundf(j.d.frame.radiance[i] / most * (float)(codes - 1)) / (float)(codes - 1);
+      assert_int_equal(hl_light_estimate(NULL, j.d.work, &j.d.frame, &j.d.surface, NULL, &j.light),
+                       HL_OK);
+      const char *why = "";
+      for (int i = 0; i < j.light.reasons.n; i++)
+        if (strcmp(j.light.reasons.note[i].what, "codes") == 0)
+          why = j.light.reasons.note[i].why;
+      if (codes == 4)
+        assert_says(why, "too few codes");
+      else
+        assert_string_equal(why, "");
+      lit_data_free(&j.d);
+    }
+  }
+}
+
 /* A bell clipped some stops below its peak: the flank that is left tells how many. */
 static void test_stops_from_the_flank(void **state)
 {
@@ -119,6 +149,7 @@ int main(void)
       cmocka_unit_test(test_a_light_behind_the_ball_is_said),
       cmocka_unit_test(test_what_else_is_wrong),
       cmocka_unit_test(test_stops_from_the_flank),
+      cmocka_unit_test(test_too_few_codes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

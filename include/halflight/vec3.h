@@ -21,7 +21,6 @@ static inline double hl_norm(const double a[3])
 
 static inline void hl_cross(const double a[3], const double b[3], double out[3])
 {
-  /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
   const double x = a[1] * b[2] - a[2] * b[1];
   const double y = a[2] * b[0] - a[0] * b[2];
   const double z = a[0] * b[1] - a[1] * b[0];

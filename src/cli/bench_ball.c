@@ -125,10 +125,10 @@ static double mean_of(const hl_bench_ball *b, const hl_surface *surface, int i, 
   const double beyond = hl_dot(center, center) - r * r;
   double sum = 0;
   for (int k = 0; k < across * across; k++) {
+    const int column = k % across, row = k / across;
     double ray[3], n[3];
-    if (hl_camera_unproject(NULL, &surface->camera, x0 + (k % across + 0.5) / across - 0.5,
-                            /* NOLINTNEXTLINE(bugprone-integer-division) */
-                            y0 + (k / across + 0.5) / across - 0.5, ray) != HL_OK)
+    if (hl_camera_unproject(NULL, &surface->camera, x0 + (column + 0.5) / across - 0.5,
+                            y0 + (row + 0.5) / across - 0.5, ray) != HL_OK)
       continue;
     const double along = hl_dot(ray, center);
     const double depth = along - sqrt(fmax(along * along - beyond, 0));
@@ -169,7 +169,7 @@ static void draw(const hl_bench_ball *b, const hl_surface *surface, const double
     const double clean = spoil(b, surface, i, mean_of(b, surface, i, s), &state);
     for (int c = 0; c < frame->channels; c++) {
       const size_t at = (size_t)surface->pixel[i] * (size_t)frame->channels + (size_t)c;
-      /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
+      /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): 1 or 3 channels */
       double value = clean * (frame->channels == 1 ? 1 : tint[c]);
       if (b->noise > 0)
         value += b->noise * BODY * normal(&state);

@@ -19,7 +19,7 @@ typedef enum hl_bench_flaw {
   HL_BENCH_DEAD    /* one channel reads nothing */
 } hl_bench_flaw;
 
-/* NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding) */
+/* NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): in the order it is read */
 typedef struct hl_bench_ball {
   const char *group;
   double value; /* what the group varies */

@@ -96,11 +96,11 @@ hl_status hl_bench_measure(hl_ctx *ctx, const char *const *folders, int n, hl_be
   for (int i = 0; i < n && st == HL_OK; i++) {
     hl_bench_scene scene;
     st = hl_bench_scene_open(ctx, folders[i], &scene);
-    /* NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker) */
+    /* NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker): the status says there is memory */
     memcpy(out->scene[i], scene.name, sizeof scene.name);
     for (int m = 0; m < hl_bench_methods_count && st == HL_OK; m++) {
       hl_progress(i * hl_bench_methods_count + m, n * hl_bench_methods_count, "runs");
-      /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+      /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): the status says there is memory */
       out->result[(size_t)m * scenes + (size_t)i] = measure(&scene, hl_bench_methods + m);
     }
     hl_bench_scene_close(&scene);

@@ -68,9 +68,8 @@ static int brightest(const hl_bench_scene *s)
 
 bool hl_rule_brightest(const hl_bench_scene *s, bool perspective, double light[3])
 {
-  const int p = brightest(s), w = s->frame.width;
-  /* NOLINTNEXTLINE(bugprone-integer-division) */
-  return mirror_at(s, perspective, p % w, p / w, light);
+  const int p = brightest(s), column = p % s->frame.width, row = p / s->frame.width;
+  return mirror_at(s, perspective, column, row, light);
 }
 
 bool hl_rule_centroid(const hl_bench_scene *s, bool perspective, double light[3])
@@ -82,9 +81,9 @@ bool hl_rule_centroid(const hl_bench_scene *s, bool perspective, double light[3]
     const double g = (double)s->grey[p];
     if (g < least)
       continue;
-    x += g * (p % s->frame.width);
-    /* NOLINTNEXTLINE(bugprone-integer-division) */
-    y += g * (p / s->frame.width);
+    const int column = p % s->frame.width, row = p / s->frame.width;
+    x += g * column;
+    y += g * row;
     weight += g;
   }
   return weight > 0 && mirror_at(s, perspective, x / weight, y / weight, light);
@@ -185,9 +184,8 @@ bool hl_rule_relight(const hl_bench_scene *s, double light[3])
   } while (n < 10 && least > 110);
   if (n < 1 || least < 200)
     return false;
-  /* NOLINTNEXTLINE(cert-flp30-c,clang-analyzer-security.FloatLoopCounter) */
-  for (double reach = inner; reach > 0.04 * inner; reach /= 2)
-    if (spot(s, least, reach, true, &x, &y) == 0)
+  for (int halving = 0; halving < 5; halving++) /* down to a sixteenth */
+    if (spot(s, least, ldexp(inner, -halving), true, &x, &y) == 0)
       break;
   double at[3], center[3], cross[3], n3[3];
   if (!circle_normal(s, x, y, n3) || hl_camera_unproject(NULL, &s->camera, x, y, at) != HL_OK)
@@ -219,8 +217,8 @@ bool hl_rule_alicevision_bright(const hl_bench_scene *s, double light[3])
       best = p;
     }
   }
-  /* NOLINTNEXTLINE(bugprone-integer-division) */
-  return mirror_at(s, false, best % w, best / w, light);
+  const int column = best % w, row = best / w;
+  return mirror_at(s, false, column, row, light);
 }
 
 bool hl_rule_alicevision_white(const hl_bench_scene *s, double light[3])
@@ -230,9 +228,8 @@ bool hl_rule_alicevision_white(const hl_bench_scene *s, double light[3])
     const int p = s->surface.pixel[i];
     const double g = (double)s->grey[p];
     double n[3];
-    /* NOLINTNEXTLINE(bugprone-integer-division) */
-    if (g > 0.2 && g < 0.8 && circle_normal(s, p % s->frame.width, p / s->frame.width, n) &&
-        hypot(n[0], n[1]) < 0.95)
+    const int column = p % s->frame.width, row = p / s->frame.width;
+    if (g > 0.2 && g < 0.8 && circle_normal(s, column, row, n) && hypot(n[0], n[1]) < 0.95)
       plane_add(&sum, n, g);
   }
   return plane_solve(&sum, light);

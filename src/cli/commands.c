@@ -11,8 +11,7 @@ const hl_command *const hl_commands[] = {
     &hl_command_bench,    &hl_command_info,   &hl_command_help,
 };
 
-/* NOLINTNEXTLINE(bugprone-sizeof-expression) */
-const int hl_commands_count = sizeof hl_commands / sizeof *hl_commands;
+const int hl_commands_count = sizeof hl_commands / sizeof hl_commands[0];
 
 const hl_command *hl_commands_find(const char *name)
 {

@@ -4,20 +4,26 @@
 #include "commands.h"
 #include "manual.h"
 
-/* Words a value can take, "" where it is a number or a file: the choices of a settings field, or
- * lower-case words parted by bars. */
-static void print_choices(FILE *out, const hl_option *o)
+/* The settings field of an option that is a choice; NULL where it is none. */
+static const hl_field *choice_of(const hl_option *o)
 {
   const hl_field *field = o->table ? hl_options_field(o) : NULL;
-  if (field && field->kind == HL_FIELD_CHOICE) {
-    for (int k = 0; field->choices[k]; k++)
-      fprintf(out, "%s%s", k ? " " : "", field->choices[k]);
-    return;
-  }
-  if (!o->value || !strchr(o->value, '|') ||
-      strspn(o->value, "abcdefghijklmnopqrstuvwxyz-|") != strlen(o->value))
-    return;
-  for (const char *c = o->value; *c; c++)
+  return field && field->kind == HL_FIELD_CHOICE ? field : NULL;
+}
+
+/* Whether the value is one of a few words: a choice, or lower-case words parted by bars. */
+static bool has_choices(const hl_option *o)
+{
+  return choice_of(o) || (o->value && strchr(o->value, '|') &&
+                          strspn(o->value, "abcdefghijklmnopqrstuvwxyz-|") == strlen(o->value));
+}
+
+static void print_choices(FILE *out, const hl_option *o)
+{
+  const hl_field *field = choice_of(o);
+  for (int k = 0; field && field->choices[k]; k++)
+    fprintf(out, "%s%s", k ? " " : "", field->choices[k]);
+  for (const char *c = o->value; !field && *c; c++)
     fputc(*c == '|' ? ' ' : *c, out);
 }
 
@@ -25,14 +31,6 @@ static void print_verbs(FILE *out)
 {
   for (int i = 0; i < hl_commands_count; i++)
     fprintf(out, "%s%s", i ? " " : "", hl_commands[i]->name);
-}
-
-static bool has_choices(const hl_option *o)
-{
-  const hl_field *field = o->table ? hl_options_field(o) : NULL;
-  return (field && field->kind == HL_FIELD_CHOICE) ||
-         (o->value && strchr(o->value, '|') &&
-          strspn(o->value, "abcdefghijklmnopqrstuvwxyz-|") == strlen(o->value));
 }
 
 static void bash(FILE *out)

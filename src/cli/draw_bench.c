@@ -121,8 +121,8 @@ static void label(chart *c, const hl_bench_row *r)
   cairo_set_font_size(cr, TEXT);
   cairo_text_extents(cr, r->method->name, &extents);
   for (int k = 0; k < 160; k++) {
-    /* NOLINTNEXTLINE(bugprone-integer-division) */
-    const double dy = 9 * ((k / 2 + 1) / 2) * ((k / 2) % 2 ? -1 : 1);
+    const int steps = (k / 2 + 1) / 2;
+    const double dy = (k / 2) % 2 ? -9 * steps : 9 * steps;
     const double x0 = k % 2 ? x - 12 - extents.x_advance : x + 12;
     const box b = {x0, y + dy - 8, x0 + extents.x_advance, y + dy + 8};
     if (!is_free(c, &b))
