@@ -167,12 +167,12 @@ const hl_command hl_command_position = {
     .n_operands = sizeof operands / sizeof *operands,
     .options = options,
     .n_options = sizeof options / sizeof *options,
-    .notes = "Several balls in one frame, or one ball in several places; the camera stays. Where\n"
-             "an estimate placed the light near, its direction is from the ball's centre; else\n"
-             "from the highlight, with half the ball's radius of doubt. Estimate with --with near\n"
-             "where the light is known to be.\n\n"
-             "Exit status: 0 done, 1 failed, 2 wrong usage, 3 not to be trusted (too far, or the\n"
-             "balls contradict each other).",
+    .notes = "Several balls in one frame, or one ball in several places; the camera stays.\n"
+             "Where an estimate placed the light near, its direction is from the ball's\n"
+             "centre; else from the highlight, with half the ball's radius of doubt. Estimate\n"
+             "with --with near where the light is known to be.\n\n"
+             "Exit status: 0 done, 1 failed, 2 wrong usage, 3 not to be trusted (too far, or\n"
+             "the balls contradict each other).",
     .example = "  halflight position left/light.json left.json right/light.json right.json",
     .size = sizeof(position_args),
     .run = run,
