@@ -183,7 +183,8 @@ static bool solve(sights *p, answer *out)
     if (!hl_spd_factor(at.matrix[0], UNKNOWNS, 0, &factor, NULL))
       return false;
     hl_spd_solve(&factor, at.right, step);
-    for (int k = 0; k < HALVINGS_MAX; k++, by /= 2) {
+    for (int k = 0; k < HALVINGS_MAX; k++) {
+      by = ldexp(1, -k);
       moved(s, &at, step, by, next);
       if (total_cost(p, next, w + by * step[2]) <= cost * (1 + 1e-12))
         break;

@@ -60,7 +60,7 @@ typedef struct hl_position {
  * light as distant, its direction is that at some point of the ball: the sight starts at the middle
  * of the highlight, c + R h, and may be off by half a radius in each direction (one deviation).
  * Drawn balls of three materials with the light 5 to 50 radii away, taken as distant, left 0.0 to 0.8
- * radii from the line of sight through the highlight, and 0.4 to 1.4 through the centre.
+ * radii from the line of sight through the highlight, and 0.4 to 1.2 through the centre.
  *
  * @return HL_OK; HL_ERR_ARG (no direction found; the sphere, as hl_sphere_check has it)
  */
