@@ -13,8 +13,9 @@ check()
   valgrind --quiet --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite \
     "$@" >"$work/log" 2>&1 || { tail -n 40 "$work/log"; exit 1; }
 }
-for name in json_read pfm frame camera_file sphere_file surface lens light_json curves_csv spline \
-  normal_equations nnls; do
+for name in json_read pfm frame camera_file camera_json sphere_file surface lens light_json lights curves_csv \
+  spline normal_equations nnls python_read samples_csv session session_json fit_file calibration_file \
+  board_pose_file corners_vnl outputs position_json sight_file; do
   check "$build/tests/test_$name"
 done
 check "$build/halflight" estimate $core/frame.pfm --camera $core/camera.json \

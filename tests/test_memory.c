@@ -154,6 +154,18 @@ static hl_status write_lights_lp(hl_ctx *ctx, const char *path)
   return hl_lights_lp_write(ctx, path, &lights);
 }
 
+static hl_status write_position(hl_ctx *ctx, const char *path)
+{
+  static const char *const names[2] = {"a.json", "b.json"};
+  const hl_position position = {.n = 2, .found = true};
+  char *text = NULL;
+  hl_status st = hl_position_json(ctx, &position, names, &text);
+  if (st == HL_OK)
+    st = hl_file_write(ctx, path, text, strlen(text));
+  free(text);
+  return st;
+}
+
 static hl_status write_pfm(hl_ctx *ctx, const char *path)
 {
   static const float pixels[8] = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -190,6 +202,7 @@ static void test_what_is_written(void **state)
       {"lights", write_lights, "lights.json", NULL, 0},
       {"lights csv", write_lights_csv, "lights.csv", NULL, 0},
       {"lights lp", write_lights_lp, "lights.lp", NULL, 0},
+      {"position", write_position, "position.json", NULL, 0},
       {"pfm", write_pfm, "frame.pfm", NULL, 0},
       {"session", write_session, "session.json", NULL, 0},
   };
@@ -237,6 +250,14 @@ static hl_status read_fit(hl_ctx *ctx, const char *path)
 {
   hl_fit out;
   return hl_fit_read(ctx, path, &out);
+}
+
+static hl_status read_sight(hl_ctx *ctx, const char *path)
+{
+  char sphere[TEST_PATH_MAX];
+  hl_sight out;
+  snprintf(sphere, sizeof sphere, "%s/sphere.json", folder);
+  return hl_sight_read(ctx, path, sphere, &out);
 }
 
 static hl_status read_lights(hl_ctx *ctx, const char *path)
@@ -312,6 +333,7 @@ static void test_what_is_read(void **state)
       {"pose", read_pose, NULL, "pose.json", 0},
       {"reflectance of a light", read_reflectance, NULL, "light.json", 0},
       {"reflectance of a fit", read_reflectance, NULL, "fit.json", 0},
+      {"sight", read_sight, NULL, "light.json", 0},
       {"fit", read_fit, NULL, "fit.json", 0},
       {"lights", read_lights, NULL, "lights.json", 0},
       {"frame", read_frame, NULL, "frame.pfm", 0},

@@ -24,6 +24,7 @@
 #include "halflight/merl_ball.h"
 #include "halflight/parametric.h"
 #include "halflight/pose.h"
+#include "halflight/position.h"
 #include "halflight/reflectance.h"
 #include "halflight/relight.h"
 #include "halflight/replay.h"

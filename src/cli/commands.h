@@ -15,6 +15,7 @@ extern const hl_command hl_command_fit;
 extern const hl_command hl_command_help;
 extern const hl_command hl_command_info;
 extern const hl_command hl_command_locate;
+extern const hl_command hl_command_position;
 extern const hl_command hl_command_relight;
 extern const hl_command hl_command_render;
 extern const hl_command hl_command_replay;

@@ -99,6 +99,28 @@ hl_status fuzz_reflectance(hl_ctx *ctx, const fuzz_input *input)
   return st;
 }
 
+/* The light of a file, seen on a ball that is known. */
+hl_status fuzz_sight(hl_ctx *ctx, const fuzz_input *input)
+{
+  static const char ball[] =
+      "{\"format\": \"halflight-sphere\", \"version\": 1, \"center_m\": [0, 0, "
+      "0.5], \"radius_m\": 0.1, \"covariance\": [[1e-10, 0, 0], [0, 1e-10, "
+      "0], [0, 0, 1e-10]]}";
+  hl_sight sight[2];
+  hl_position position;
+  const hl_status st =
+      hl_sight_read(ctx, input->path, fuzz_again(ball, sizeof ball - 1), &sight[0]);
+  if (st != HL_OK)
+    return st;
+  sight[1] = sight[0];
+  sight[1].origin_m[0] += 1;
+  hl_ctx inner = {0};
+  if (hl_position_of_sights(&inner, sight, 2, &position) == HL_OK)
+    for (int k = 0; k < 3; k++)
+      fuzz_demand(position.position_m[k] - position.position_m[k] == 0, "a finite position", "");
+  return HL_OK;
+}
+
 hl_status fuzz_fit(hl_ctx *ctx, const fuzz_input *input)
 {
   hl_fit fit = {0};

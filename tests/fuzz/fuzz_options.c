@@ -2,25 +2,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "options.h"
+#include "commands.h"
 #include "readers.h"
 
 enum { WORDS_MAX = 16 };
 
-static const hl_command *const commands[] = {
-    &hl_command_estimate, &hl_command_locate,  &hl_command_fit,    &hl_command_relight,
-    &hl_command_brdf,     &hl_command_render,  &hl_command_target, &hl_command_calibrate,
-    &hl_command_drift,    &hl_command_convert, &hl_command_info,
-};
-
 hl_status fuzz_options(hl_ctx *ctx, const fuzz_input *input)
 {
-  enum { N = sizeof commands / sizeof commands[0] };
   char *words[WORDS_MAX];
   int n = 0;
   if (input->n < 2)
     return HL_OK;
-  const hl_command *command = commands[input->bytes[0] % N];
+  const hl_command *command = hl_commands[input->bytes[0] % hl_commands_count];
   char *text = malloc(input->n);
   void *args = calloc(1, command->size);
   if (!text || !args) {

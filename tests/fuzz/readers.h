@@ -22,6 +22,7 @@
   X(reflectance)                                                                                   \
   X(samples)                                                                                       \
   X(session)                                                                                       \
+  X(sight)                                                                                         \
   X(sphere)                                                                                        \
   X(target)                                                                                        \
   X(term_curve)                                                                                    \

@@ -30,6 +30,10 @@ static hl_status light_seed(hl_ctx *ctx, const char *folder)
   char *text = NULL;
   const hl_light light = document_light();
   const hl_status st = hl_light_json(ctx, &light, NULL, &text);
+  if (st == HL_OK && hl_file_write(ctx, path_of(folder, "sight"), text, strlen(text)) != HL_OK) {
+    free(text);
+    return HL_ERR_IO;
+  }
   return put_text(ctx, folder, "reflectance", st, text);
 }
 
