@@ -117,10 +117,11 @@ static hl_status run_case(hl_ctx *ctx, uint64_t seed, hl_stability *out)
   hl_light_work *work = NULL;
   double truth[3];
   hl_light *light = calloc(1, sizeof *light);
+  if (!light)
+    return hl_fail(ctx, HL_ERR_MEMORY, "no memory for a light");
   hl_light_settings settings = hl_light_defaults();
   settings.threads = 1;
-  hl_status st = light ? hl_bench_ball_draw(ctx, &out->ball, seed, &frame, &surface, truth)
-                       : hl_fail(ctx, HL_ERR_MEMORY, "no memory for a light");
+  hl_status st = hl_bench_ball_draw(ctx, &out->ball, seed, &frame, &surface, truth);
   if (st == HL_OK)
     st = hl_light_work_new(ctx, surface.n, frame.channels, &work);
   if (st == HL_OK)
