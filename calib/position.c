@@ -336,6 +336,13 @@ static void tell(const sights *p, const answer *a, hl_position *out)
     hl_notes_add(&out->reasons, "sights contradict each other",
                  "chi-squared %.3g on %d degrees of freedom, probability %.2g", out->chi_squared,
                  out->dof, out->probability);
+  for (int i = 0; i < p->n; i++)
+    if (p->used[i] && p->sight[i].doubted) {
+      out->trusted = false;
+      hl_notes_add(&out->reasons, "sight not trusted",
+                   "number %d comes from an estimate that is not to be trusted: see its reasons",
+                   i + 1);
+    }
 }
 
 static hl_status too_far(hl_ctx *ctx, hl_position *out)

@@ -25,7 +25,7 @@ hl_status hl_sight_of_light(hl_ctx *ctx, const hl_light *light, const hl_sphere 
   hl_ctx inner = {0};
   if (hl_sphere_check(&inner, sphere) != HL_OK)
     return hl_fail(ctx, HL_ERR_ARG, "%s", inner.msg);
-  hl_sight g = {.origin_m = {0}};
+  hl_sight g = {.doubted = !light->trusted};
   memcpy(g.direction, light->direction, sizeof g.direction);
   memcpy(g.tangent_basis, light->tangent_basis, sizeof g.tangent_basis);
   memcpy(g.origin_m, sphere->center_m, sizeof g.origin_m);

@@ -1,5 +1,6 @@
 /* A ball's sight from the LIGHT.json of its frame and its SPHERE.json. */
 #include <math.h>
+#include <string.h>
 
 #include "halflight/position.h"
 #include "json_read.h"
@@ -28,7 +29,9 @@ static hl_status read_light(hl_json_source source, const json_t *root, const hl_
     return hl_fail(source.ctx, HL_ERR_FORMAT,
                    "%s: lights holds no light; the file of a frame that shows one is needed",
                    source.path);
+  const char *status = json_string_value(json_object_get(root, "status"));
   light->found = true;
+  light->trusted = !status || strcmp(status, "untrusted") != 0;
   hl_status st = hl_json_numbers(source, one, "direction", 3, light->direction);
   if (st == HL_OK)
     st = hl_json_matrix(source, one, "tangent_basis", 2, 3, light->tangent_basis[0]);

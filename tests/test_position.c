@@ -76,6 +76,22 @@ static void test_exact_sights_meet_exactly(void **state)
   }
 }
 
+static void test_a_doubted_sight_places_nothing_to_trust(void **state)
+{
+  (void)state;
+  hl_sight sights[SIGHTS];
+  four(sights, truth, 1e-4);
+  sights[2].doubted = true;
+  const hl_position p = position_of(sights, SIGHTS);
+  assert_true(p.found && !p.trusted);
+  assert_int_equal(p.reasons.n, 1);
+  assert_says(p.reasons.note[0].why, "number 3");
+  turn(&sights[2], 0.1, 0.1); /* left out, it harms nobody */
+  const hl_position q = position_of(sights, SIGHTS);
+  assert_false(q.sight[2].used);
+  assert_true(q.found && q.trusted);
+}
+
 /* Two sights that pass each other, equally well known: the light is nearest to both, midway. */
 static void test_skew_sights_meet_midway(void **state)
 {
@@ -381,6 +397,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_exact_sights_meet_exactly),
+      cmocka_unit_test(test_a_doubted_sight_places_nothing_to_trust),
       cmocka_unit_test(test_skew_sights_meet_midway),
       cmocka_unit_test(test_follows_its_frame),
       cmocka_unit_test(test_scatters_as_stated),

@@ -73,6 +73,11 @@ static void test_file_and_memory_agree(void **state)
     assert_near(read.own_rad2[0][0], 1e-6, 1e-16); /* the pose's share is taken out */
     assert_near(read.own_rad2[0][1], 2e-7, 1e-16);
     assert_near(read.by_origin[1][1], 7, 0);
+    assert_false(read.doubted);
+    light.trusted = false;
+    put_pair(state, &light, &sphere, light_path, sphere_path);
+    assert_int_equal(hl_sight_read(NULL, light_path, sphere_path, &read), HL_OK);
+    assert_true(read.doubted);
   }
 }
 

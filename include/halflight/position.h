@@ -26,6 +26,7 @@ typedef struct hl_sight {
   double tangent_basis[2][3];
   double own_rad2[2][2];  /* covariance of the direction with the origin held */
   double by_origin[2][3]; /* how the direction follows an error of the origin [rad/m] */
+  bool doubted;           /* the estimate said that it is not to be trusted */
 } hl_sight;
 
 /** How a sight fits. */
@@ -80,7 +81,8 @@ HL_API hl_status hl_sight_read(hl_ctx *ctx, const char *light_path, const char *
  *
  * Of three sights or more, up to a third are left out where they contradict the others (chi-squared
  * less than 1 % probable) and the rest, and only that rest, agrees. Sights are taken as independent
- * of each other: what the camera's intrinsics move in all of them together is not seen.
+ * of each other: what the camera's intrinsics move in all of them together is not seen. A position
+ * that a doubted sight helped to place is not trusted.
  *
  * @param n   2 .. HL_SIGHTS_MAX
  * @param out written on HL_OK and on HL_ERR_DEGENERATE (found = false; direction, least_distance_m
