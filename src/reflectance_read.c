@@ -212,6 +212,16 @@ static hl_status note_light(hl_json_source source, const json_t *root, hl_reflec
     st = hl_json_numbers(source, fit, "ambient", HL_CHANNELS_MAX, ambient);
   if (st == HL_OK && hl_norm(ambient) > 0)
     hl_notes_add(&r->notes, "ambient", "the frame's constant part is no reflectance: left out");
+  double backscatter[HL_CHANNELS_MAX][2] = {{0}};
+  if (st == HL_OK && hl_json_has(fit, "backscatter"))
+    st = hl_json_matrix(source, fit, "backscatter", HL_CHANNELS_MAX, 2, backscatter[0]);
+  for (int c = 0; c < HL_CHANNELS_MAX; c++)
+    if (st == HL_OK && (backscatter[c][0] != 0 || backscatter[c][1] != 0)) {
+      hl_notes_add(&r->notes, "backscatter",
+                   "its columns in n.v are no curve about an axis: left out, so what is drawn is "
+                   "darker towards the light's own side");
+      break;
+    }
   return st;
 }
 

@@ -118,6 +118,7 @@ static void test_terms_of_a_light(void **state)
   hl_light light = known_light(3);
   light.trusted = false;
   light.ambient[1] = 0.01;
+  light.backscatter[2][1] = 0.01;
   hl_reflectance r = there_and_back(state, &light);
   double h[3];
   hl_add_scaled(light.direction, 1, light.mean_view, h);
@@ -130,9 +131,10 @@ static void test_terms_of_a_light(void **state)
   }
   assert_string_equal(r.term[0].name, "diffuse");
   assert_string_equal(r.term[1].name, "specular");
-  assert_int_equal(r.notes.n, 2);
+  assert_int_equal(r.notes.n, 3);
   assert_string_equal(r.notes.note[0].what, "untrusted light");
   assert_string_equal(r.notes.note[1].what, "ambient");
+  assert_string_equal(r.notes.note[2].what, "backscatter");
   /* a matte ball has one term, a plain lobe is not foreshortened */
   light.lobe = HL_LOBE_PLAIN;
   assert_false(there_and_back(state, &light).term[1].foreshortened);
