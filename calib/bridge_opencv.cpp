@@ -57,6 +57,28 @@ int silent(int, const char *, const char *, const char *, int, void *)
   return 0;
 }
 
+/* Silence that others share meanwhile: what is printed cannot be told apart, and is lost. */
+class shared_silence
+{
+public:
+  shared_silence() { hl_hush_share(); }
+  shared_silence(const shared_silence &) = delete;
+  shared_silence &operator=(const shared_silence &) = delete;
+  ~shared_silence() { hl_hush_leave(); }
+};
+
+/* For decoders that say by themselves whether they failed; empty: decode again to hear why. */
+cv::Mat decode_beside_others(const unsigned char *bytes, size_t n)
+{
+  shared_silence silence;
+  const cv::Mat raw(1, static_cast<int>(n), CV_8U, const_cast<unsigned char *>(bytes));
+  try {
+    return cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception &) {
+    return cv::Mat();
+  }
+}
+
 cv::Mat decode(const unsigned char *bytes, size_t n, std::string &said)
 {
   held_stderr held;
@@ -128,8 +150,10 @@ hl_status hl_opencv_decode(hl_ctx *ctx, const char *path, const char *kind,
     if (n > 0x7fffffff)
       return hl_fail(ctx, HL_ERR_FORMAT, "%s: %zu bytes; images under 2 GiB are read", path, n);
     std::string said;
-    const cv::Mat image = decode(bytes, n, said);
-    const bool jpeg = bytes[0] == 0xff;
+    const bool jpeg = bytes[0] == 0xff, png = bytes[0] == 0x89;
+    cv::Mat image = png ? decode_beside_others(bytes, n) : cv::Mat();
+    if (image.empty())
+      image = decode(bytes, n, said);
     if (image.empty() || (jpeg && !said.empty()))
       return hl_fail(ctx, HL_ERR_FORMAT,
                      "%s: %s is damaged or of a kind that OpenCV does not read%s%.120s", path, kind,

@@ -11,10 +11,46 @@
 #include <unistd.h>
 
 static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t nobody_shares = PTHREAD_COND_INITIALIZER;
+/* Under the lock: those who want silence and no text, and what they found on the descriptor. */
+static int sharing;
+static int shared_saved = -1;
+
+void hl_hush_share(void)
+{
+  pthread_mutex_lock(&one_at_a_time);
+  if (sharing++ == 0) {
+    const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    fflush(stderr);
+    shared_saved = nothing >= 0 ? fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0) : -1;
+    if (shared_saved >= 0)
+      dup2(nothing, STDERR_FILENO);
+    if (nothing >= 0 && nothing != STDERR_FILENO) /* it is where standard error was closed */
+      close(nothing);
+  }
+  pthread_mutex_unlock(&one_at_a_time);
+}
+
+void hl_hush_leave(void)
+{
+  pthread_mutex_lock(&one_at_a_time);
+  if (--sharing == 0) {
+    if (shared_saved >= 0) {
+      fflush(stderr);
+      dup2(shared_saved, STDERR_FILENO);
+      close(shared_saved);
+    }
+    shared_saved = -1;
+    pthread_cond_broadcast(&nobody_shares);
+  }
+  pthread_mutex_unlock(&one_at_a_time);
+}
 
 void hl_hush_begin(hl_hush *hush)
 {
   pthread_mutex_lock(&one_at_a_time);
+  while (sharing > 0)
+    pthread_cond_wait(&nobody_shares, &one_at_a_time);
   *hush = (hl_hush){tmpfile(), -1};
   if (!hush->file)
     return;

@@ -22,6 +22,11 @@ void hl_hush_begin(hl_hush *hush);
  * not wanted. */
 void hl_hush_end(hl_hush *hush, char *line, size_t room);
 
+/* Standard error of the whole process goes nowhere from here to hl_hush_leave; any number of threads may
+ * be between the two at once. hl_hush_begin waits until none is. */
+void hl_hush_share(void);
+void hl_hush_leave(void);
+
 #ifdef __cplusplus
 }
 #endif

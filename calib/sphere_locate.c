@@ -21,7 +21,15 @@ static const double agreement_needed = 0.9;
 /* what a straight rim and a three-term profile leave of a true ball, from rendered balls */
 static const double model_floor_px = 0.006;
 
-enum { TRIES = 4, ITERATIONS = 12, SECTORS_MIN = 16, BLUR_SECTORS = 32, KEPT_MIN = 7 };
+enum {
+  TRIES = 4,
+  ITERATIONS = 12,
+  SECTORS_MIN = 16,
+  BLUR_SECTORS = 32,
+  KEPT_MIN = 7,
+  NEAR_ITERATIONS = 4
+};
+static const double settled_px = 3e-3, near_px = 0.35;
 
 hl_sphere_settings hl_sphere_defaults(void)
 {
@@ -44,6 +52,8 @@ static const hl_field fields[] = {
      "row of a circle near the outline's", NULL},
     {"hint_radius_px", HL_FIELD_DOUBLE, offsetof(hl_sphere_settings, hint_radius_px), 0, 65536,
      "px", "radius of a circle near the outline's, 0 for none", NULL},
+    {"blur_px", HL_FIELD_DOUBLE, offsetof(hl_sphere_settings, blur_px), 0, 10, "px",
+     "blur of the outline where it is known, 0 to find it", NULL},
 };
 
 const hl_field_table *hl_sphere_fields(void)
@@ -169,18 +179,59 @@ static double refine_blur(const scene *sc, const hl_cone *cone, const hl_outline
   return hl_outline_blur(sc->frame, sc->camera, cone, BLUR_SECTORS, &near, about, 5);
 }
 
+/* A cone to start from, with the sectors to read and how far about it. */
+static double begin_at(const scene *sc, const hl_cone *start, attempt *a, int *n)
+{
+  memset(a, 0, sizeof *a);
+  a->cone = *start;
+  a->rad_per_px = 1 / sqrt(sc->camera->fx * sc->camera->fy);
+  const double about_px = a->cone.half_angle_rad / a->rad_per_px;
+  const int sectors = (int)(round_rad * about_px / 10);
+  *n = sectors < SECTORS_MIN              ? SECTORS_MIN
+       : sectors > HL_OUTLINE_SECTORS_MAX ? HL_OUTLINE_SECTORS_MAX
+                                          : sectors;
+  return fmin(fmax(0.25 * about_px, 2.5), 3.5);
+}
+
+static void judge_settled(const scene *sc, const hl_outline_sector *sectors, int n,
+                          hl_cone_offset *readings, int m, attempt *a)
+{
+  judge(sectors, n, readings, m, &sc->settings, a);
+  if (sc->camera->has_covariance &&
+      !hl_cone_by_intrinsics(sc->camera, &a->cone, readings, m, &a->fit, a->by_intrinsics))
+    a->verdict = NO_OUTLINE;
+}
+
+/* The same where the cone is nearly right and the blur known; false: it is not. */
+static bool settle_near(const scene *sc, const hl_cone *start, attempt *a)
+{
+  hl_outline_sector sectors[HL_OUTLINE_SECTORS_MAX] = {{.offset_px = 0}};
+  hl_cone_offset readings[HL_OUTLINE_SECTORS_MAX];
+  int n, m = 0;
+  const double reach = begin_at(sc, start, a, &n);
+  const hl_outline_look look = {.blur_px = sc->settings.blur_px,
+                                .reach_px = reach + 1.5 * sc->settings.blur_px};
+  double moved = HUGE_VAL, longest = 0;
+  for (int it = 0; it < NEAR_ITERATIONS && moved > settled_px; it++) {
+    moved = advance(sc, n, &look, a, sectors, readings, &m);
+    if (!(moved >= 0))
+      return false;
+    longest = fmax(longest, moved);
+  }
+  if (!(longest <= near_px) || moved > settled_px)
+    return false;
+  a->blur_px = look.blur_px;
+  judge_settled(sc, sectors, n, readings, m, a);
+  return a->verdict == BALL;
+}
+
 /* Reads the outline and moves the cone to it until neither moves. */
 static void settle(const scene *sc, const hl_cone *start, attempt *a)
 {
   hl_outline_sector sectors[HL_OUTLINE_SECTORS_MAX];
   hl_cone_offset readings[HL_OUTLINE_SECTORS_MAX];
-  memset(a, 0, sizeof *a);
-  a->cone = *start;
-  a->rad_per_px = 1 / sqrt(sc->camera->fx * sc->camera->fy);
-  const double about_px = a->cone.half_angle_rad / a->rad_per_px;
-  const double reach = fmin(fmax(0.25 * about_px, 2.5), 3.5);
-  int n = (int)(round_rad * about_px / 10), m = 0;
-  n = n < SECTORS_MIN ? SECTORS_MIN : n > HL_OUTLINE_SECTORS_MAX ? HL_OUTLINE_SECTORS_MAX : n;
+  int n, m = 0;
+  const double reach = begin_at(sc, start, a, &n);
   hl_outline_look look = {.reach_px = reach + 1, .wide = true};
   static const double blurs[] = {0.2, 0.7, 1.3, 2};
   look.blur_px = hl_outline_blur(sc->frame, sc->camera, &a->cone, SECTORS_MIN / 2, &look, blurs, 4);
@@ -196,20 +247,18 @@ static void settle(const scene *sc, const hl_cone *start, attempt *a)
       look.blur_px = refine_blur(sc, &a->cone, &look);
       blur_reads++;
     }
-    settled = moved < 3e-3 && blur_reads >= 2;
+    settled = moved < settled_px && blur_reads >= 2;
     look.wide = moved > 0.7 && it < 3;
   }
   a->blur_px = look.blur_px;
-  judge(sectors, n, readings, m, &sc->settings, a);
-  if (sc->camera->has_covariance &&
-      !hl_cone_by_intrinsics(sc->camera, &a->cone, readings, m, &a->fit, a->by_intrinsics))
-    a->verdict = NO_OUTLINE;
+  judge_settled(sc, sectors, n, readings, m, a);
 }
 
 /* The outline's centre and mean radius in pixels. */
 static hl_status describe(hl_ctx *ctx, const scene *sc, const attempt *a, hl_sphere_fit *out)
 {
-  hl_sphere_fit fit = {.rms_px = a->rms_px, .arc = a->arc, .n_points = a->n_kept};
+  hl_sphere_fit fit = {
+      .rms_px = a->rms_px, .arc = a->arc, .n_points = a->n_kept, .blur_px = a->blur_px};
   const hl_status st = hl_camera_project(ctx, sc->camera, a->cone.axis, fit.center_px);
   if (st != HL_OK)
     return st;
@@ -429,7 +478,8 @@ hl_status hl_sphere_relocate(hl_ctx *ctx, const hl_frame *frame, const hl_camera
   hl_tangent_basis(cone.axis, cone.e1, cone.e2);
   cone.half_angle_rad = asin(near->radius_m / hl_norm(near->center_m));
   attempt a;
-  settle(&sc, &cone, &a);
+  if (!(sc.settings.blur_px > 0) || !settle_near(&sc, &cone, &a))
+    settle(&sc, &cone, &a);
   return a.verdict == BALL ? pose_of(ctx, &sc, &a, near->radius_m, out, fit)
                            : refuse(ctx, &sc, &a, 0);
 }

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "file_write.h"
 #include "halflight/export.h"
 
 enum { NAMES_TRIED = 100 };
@@ -21,8 +22,7 @@ static hl_status cannot(hl_ctx *ctx, const char *verb, const char *path, int err
                  strerror(error));
 }
 
-/* 0 or errno. */
-static int write_all(int file, const char *bytes, size_t n)
+int hl_file_put(int file, const char *bytes, size_t n)
 {
   while (n > 0) {
     const ssize_t written = write(file, bytes, n);
@@ -60,14 +60,14 @@ static int open_beside(const char *path, char **name)
   return file;
 }
 
-static hl_status replace(hl_ctx *ctx, const char *path, const struct stat *old, const char *bytes,
-                         size_t n)
+static hl_status replace(hl_ctx *ctx, const char *path, const struct stat *old,
+                         hl_file_producer produce, void *user)
 {
   char *name = NULL;
   const int file = open_beside(path, &name);
   if (file < 0)
     return cannot(ctx, "create", path, errno);
-  int error = write_all(file, bytes, n);
+  int error = produce(user, file);
   if (error == 0 && old && fchmod(file, old->st_mode & 07777) != 0)
     error = errno;
   if (error == 0 && fsync(file) != 0 && errno != EINVAL)
@@ -82,31 +82,48 @@ static hl_status replace(hl_ctx *ctx, const char *path, const struct stat *old, 
   return error == 0 ? HL_OK : cannot(ctx, "write", path, error);
 }
 
-static hl_status pour(hl_ctx *ctx, const char *path, const char *bytes, size_t n)
+static hl_status pour(hl_ctx *ctx, const char *path, hl_file_producer produce, void *user)
 {
   const int file = open(path, O_WRONLY | O_CLOEXEC);
   if (file < 0)
     return cannot(ctx, "open", path, errno);
-  int error = write_all(file, bytes, n);
+  int error = produce(user, file);
   if (close(file) != 0 && error == 0)
     error = errno;
   return error == 0 ? HL_OK : cannot(ctx, "write", path, error);
 }
 
-hl_status hl_file_write(hl_ctx *ctx, const char *path, const char *bytes, size_t n)
+hl_status hl_file_write_by(hl_ctx *ctx, const char *path, hl_file_producer produce, void *user)
 {
   struct stat old;
   if (stat(path, &old) != 0)
-    return replace(ctx, path, NULL, bytes, n);
+    return replace(ctx, path, NULL, produce, user);
   if (S_ISDIR(old.st_mode))
     return cannot(ctx, "write", path, EISDIR);
   if (!S_ISREG(old.st_mode))
-    return pour(ctx, path, bytes, n);
+    return pour(ctx, path, produce, user);
   /* a link stays a link: what it names is replaced */
   char *real = realpath(path, NULL);
   if (!real && errno == ENOMEM)
     return cannot(ctx, "write", path, ENOMEM);
-  const hl_status st = replace(ctx, real ? real : path, &old, bytes, n);
+  const hl_status st = replace(ctx, real ? real : path, &old, produce, user);
   free(real);
   return st;
+}
+
+typedef struct block {
+  const char *bytes;
+  size_t n;
+} block;
+
+static int put_block(void *user, int file)
+{
+  const block *b = user;
+  return hl_file_put(file, b->bytes, b->n);
+}
+
+hl_status hl_file_write(hl_ctx *ctx, const char *path, const char *bytes, size_t n)
+{
+  block b = {bytes, n};
+  return hl_file_write_by(ctx, path, put_block, &b);
 }

@@ -103,26 +103,54 @@ static void put_stored(hl_frame *frame, size_t i, const conversion *c, double st
     put(frame, i, radiance, stored >= c->clipped_from ? HL_SAMPLE_CLIPPED : HL_SAMPLE_OK);
 }
 
-static size_t code_at(const void *codes, int bits, size_t i)
+/* Every code's radiance once, in `table`, then look-ups. */
+static void fill_table(const conversion *c, size_t full, float *table)
 {
-  return bits == 8 ? ((const uint8_t *)codes)[i] : ((const uint16_t *)codes)[i];
+  for (size_t code = 0; code <= full; code++)
+    table[code] = (float)linear_of(c, (double)code / (double)full);
 }
 
-/* Every code's radiance once, in `table`, then look-ups. */
+/* The first code that is clipped; full + 1 for none. */
+static size_t first_clipped(const conversion *c, size_t full)
+{
+  size_t code = full + 1;
+  while (code > 0 && (double)(code - 1) / (double)full >= c->clipped_from)
+    code--;
+  return code;
+}
+
+/* One loop a width of code, so that it can be vectorized; returns how many are clipped. */
+#define CONVERT(name, code_type)                                                                   \
+  static long name(const code_type *codes, size_t pixels, size_t stored, size_t channels,          \
+                   size_t clipped, const float *table, float *radiance, uint8_t *state)            \
+  {                                                                                                \
+    long n = 0;                                                                                    \
+    for (size_t p = 0; p < pixels; p++)                                                            \
+      for (size_t k = 0; k < channels; k++) {                                                      \
+        const size_t code = codes[p * stored + k];                                                 \
+        const bool is = code >= clipped;                                                           \
+        radiance[p * channels + k] = table[code];                                                  \
+        state[p * channels + k] = is ? HL_SAMPLE_CLIPPED : HL_SAMPLE_OK;                           \
+        n += is;                                                                                   \
+      }                                                                                            \
+    return n;                                                                                      \
+  }
+CONVERT(convert_8, uint8_t)
+CONVERT(convert_16, uint16_t)
+
 static void convert_integers(hl_frame *frame, const void *codes, int stored_channels,
                              const conversion *c, float *table)
 {
   const size_t full = frame->bits == 8 ? 255 : 65535;
-  for (size_t code = 0; code <= full; code++)
-    table[code] = (float)linear_of(c, (double)code / (double)full);
-  const size_t channels = (size_t)frame->channels;
+  const size_t clipped = first_clipped(c, full);
   const size_t pixels = (size_t)frame->width * (size_t)frame->height;
-  for (size_t p = 0; p < pixels; p++)
-    for (size_t k = 0; k < channels; k++) {
-      const size_t code = code_at(codes, frame->bits, p * (size_t)stored_channels + k);
-      const bool clipped = (double)code / (double)full >= c->clipped_from;
-      put(frame, p * channels + k, table[code], clipped ? HL_SAMPLE_CLIPPED : HL_SAMPLE_OK);
-    }
+  const size_t stored = (size_t)stored_channels, channels = (size_t)frame->channels;
+  fill_table(c, full, table);
+  const long n = frame->bits == 8 ? convert_8(codes, pixels, stored, channels, clipped, table,
+                                              frame->radiance, frame->state)
+                                  : convert_16(codes, pixels, stored, channels, clipped, table,
+                                               frame->radiance, frame->state);
+  frame->n_clipped = n;
 }
 
 static void convert_floats(hl_frame *frame, const float *codes, int stored_channels,

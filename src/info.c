@@ -24,7 +24,7 @@
 #define HL_ASSIMP_VERSION NULL
 #endif
 
-enum { N_FEATURES = 8 };
+enum { N_FEATURES = 9 };
 
 /* Filled once, the same for everyone after. */
 static hl_feature features[N_FEATURES];
@@ -35,6 +35,7 @@ static void fill(void)
   const hl_feature all[N_FEATURES] = {
       {"jansson", jansson_version_str(), "", "cameras, balls and results as JSON"},
       {"libyaml", yaml_get_version_string(), "", "cameras of OpenCV and Kalibr"},
+      {"libmd", HL_MD_VERSION, "", "the SHA-256 of frames"},
       {"cminpack", HL_CMINPACK_VERSION, "", "parametric fits"},
       {"OpenMP", OPENMP_VERSION, "a compiler with OpenMP", "more than one thread"},
       {"OpenCV", hl_opencv_version(), "-DHL_WITH_OPENCV=ON",

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "halflight/notes.h"
 #include "json_write.h"
 
 static json_t *kept(json_t *list, bool good)
@@ -28,16 +29,25 @@ json_t *hl_json_reasons(const hl_notes *notes)
   return kept(list, good);
 }
 
-json_t *hl_json_notes(const hl_notes *notes)
+static json_t *note_lines(const hl_note *note, int n)
 {
   json_t *list = json_array();
   bool good = list != NULL;
-  for (int i = 0; i < notes->n && good; i++) {
-    const hl_note *note = &notes->note[i];
-    json_t *line = json_pack("{s:s,s:s}", "what", note->what, "why", note->why);
+  for (int i = 0; i < n && good; i++) {
+    json_t *line = json_pack("{s:s,s:s}", "what", note[i].what, "why", note[i].why);
     good = json_array_append_new(list, line) == 0;
   }
   return kept(list, good);
+}
+
+json_t *hl_json_notes(const hl_notes *notes)
+{
+  return note_lines(notes->note, notes->n);
+}
+
+json_t *hl_json_note_list(const hl_note_list *list)
+{
+  return note_lines(list->note, list->n);
 }
 
 json_t *hl_json_rows(const double *rows, int n, int m, int stride)
@@ -69,4 +79,14 @@ hl_status hl_json_notes_read(hl_json_source source, const json_t *object, const 
     snprintf(note->why, sizeof note->why, "%.*s", (int)sizeof note->why - 1, why);
   }
   return HL_OK;
+}
+
+hl_status hl_json_note_list_read(hl_json_source source, const json_t *object, const char *member,
+                                 hl_note_list *out)
+{
+  hl_notes notes;
+  const hl_status st = hl_json_notes_read(source, object, member, &notes);
+  if (st == HL_OK && !hl_note_list_set(out, &notes))
+    return hl_fail(source.ctx, HL_ERR_MEMORY, "%s: no memory for %s", source.path, member);
+  return st;
 }

@@ -14,6 +14,7 @@ json_t *hl_json_reasons(const hl_notes *notes);
 
 /* [{"what", "why"}, ...] */
 json_t *hl_json_notes(const hl_notes *notes);
+json_t *hl_json_note_list(const hl_note_list *list);
 
 /* n rows of m numbers, from rows `stride` apart. */
 json_t *hl_json_rows(const double *rows, int n, int m, int stride);
@@ -22,5 +23,8 @@ json_t *hl_json_rows(const double *rows, int n, int m, int stride);
  * HL_ERR_FORMAT. */
 hl_status hl_json_notes_read(hl_json_source source, const json_t *object, const char *member,
                              hl_notes *out);
+/* `out` is empty before. HL_ERR_MEMORY too. */
+hl_status hl_json_note_list_read(hl_json_source source, const json_t *object, const char *member,
+                                 hl_note_list *out);
 
 #endif

@@ -11,6 +11,22 @@
  * means that building it failed: HL_ERR_MEMORY. */
 hl_status hl_json_text(hl_ctx *ctx, json_t *document, char **out);
 
+/* A member of the document's top that is a long list, whose elements are made one by one. */
+typedef struct hl_json_long {
+  const char *member; /* null in the document itself */
+  int n;
+  json_t *(*element)(const void *user, int i); /* a new value; NULL without memory */
+  const void *user;
+} hl_json_long;
+
+/* As hl_json_text, with a long list in its place. */
+hl_status hl_json_long_text(hl_ctx *ctx, json_t *document, const hl_json_long *list, char **out);
+
+/* The same text to a file, whole or not at all; some elements are held at a time. HL_ERR_IO;
+ * HL_ERR_MEMORY. */
+hl_status hl_json_long_write(hl_ctx *ctx, json_t *document, const hl_json_long *list,
+                             const char *path);
+
 /* A number, or null where it is not finite (JSON has no other word for it). */
 json_t *hl_json_real(double value);
 

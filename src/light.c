@@ -27,7 +27,8 @@ hl_light_settings hl_light_defaults(void)
                                .threads = 1,
                                .model_error = 0.02,
                                .outlier_sigmas = 8,
-                               .widest_deg = 150};
+                               .widest_deg = 150,
+                               .intervals = 40};
   return s;
 }
 
@@ -50,6 +51,8 @@ const hl_field_table *hl_light_fields(void)
        "leave out pixels that differ by so many deviations; 0 never does", NULL},
       {"widest_deg", HL_FIELD_DOUBLE, offsetof(hl_light_settings, widest_deg), 10, 180, "deg",
        "largest angle of the light from the view that is searched", NULL},
+      {"intervals", HL_FIELD_INT, offsetof(hl_light_settings, intervals), 4, 45, "",
+       "intervals of the lobe's curve, at most; those with few samples are merged", NULL},
   };
   static const hl_field_table table = {"light settings", fields,
                                        (int)(sizeof fields / sizeof *fields)};
@@ -277,7 +280,7 @@ static hl_status find_direction(hl_ctx *ctx, hl_light_work *work, const hl_surfa
   if (plan->cells < work->all.n)
     hl_light_to_cells(work, plan->cells);
   hl_light_plan_terms(&work->all, plan, own);
-  work->lean = plan->lean;
+  work->hurried = plan->hurried;
   count = count < plan->candidates ? count : plan->candidates;
   if (!hl_light_start(work, own, found, count, start))
     return hl_fail(ctx, HL_ERR_DEGENERATE, "no direction of light explains these pixels");
@@ -299,11 +302,18 @@ static void describe(hl_light_work *work, const hl_surface *surface, const hl_li
   memcpy(out->part_rad2[HL_PART_NOISE], spread.noise, sizeof spread.noise);
   memcpy(out->part_rad2[HL_PART_MODEL], spread.model, sizeof spread.model);
   out->part_stated[HL_PART_NOISE] = out->part_stated[HL_PART_MODEL] = true;
-  hl_light_geometry(work, model, surface, &spread, own->threads, out);
+  /* what nothing is stated of moves nothing: how the light would follow it is not worth short time */
+  if (!work->glanced || surface->camera.has_covariance || surface->ball.has_covariance)
+    hl_light_geometry(work, model, surface, &spread, own->threads, out);
+  else
+    hl_notes_add(&out->left_out, "how the light follows the pose", "not derived for want of time");
   add_parts(out);
   hl_light_position(work, model, surface, &spread, own->threads, out);
   hl_light_curves(work, model, own->threads, out);
-  hl_light_bound(work, model, surface, own->threads, out);
+  if (work->hurried)
+    hl_notes_add(&out->left_out, "bound", "not derived for want of time");
+  else
+    hl_light_bound(work, model, surface, own->threads, out);
   set_color(work, out);
   out->n_clipped = work->brightness.clipped;
   out->n_outliers = settled->outliers;
@@ -329,8 +339,9 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   if (st != HL_OK)
     return st;
   own.threads = threads_of(&own);
-  hl_light_plan_start(&own, &plan);
-  st = hl_light_gather(ctx, work, frame, surface);
+  hl_light_plan_start(&own, surface->n, &plan);
+  work->glanced = plan.gathered > 0;
+  st = hl_light_gather(ctx, work, frame, surface, plan.gathered);
   if (st != HL_OK)
     return st;
   memset(out, 0, sizeof *out);
@@ -358,6 +369,7 @@ hl_status hl_light_estimate(hl_ctx *ctx, hl_light_work *work, const hl_frame *fr
   hl_light_spread_over(work, surface->n);
   if (finished) /* light_pose.c goes on from the samples with the noise's own weights */
     hl_light_exchange(work);
+  hl_light_plan_end(&plan, out);
   return HL_OK;
 }
 

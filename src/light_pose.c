@@ -30,6 +30,7 @@ struct hl_light_pose_work {
   double *moved[HL_CHANNELS_MAX][3]; /* shape (max_pixels): M */
   double *center_rate;               /* shape (max_pixels, 9) */
   double *pool;
+  double scale; /* variance of a residual in units of its stated one */
   hl_model_point at, base;
 };
 
@@ -198,5 +199,42 @@ bool hl_light_pose_score(hl_light_work *light, const hl_surface *surface, hl_lig
   if (!(s.rr > 0) || s.samples < SYSTEM)
     return false;
   eliminate(&s, q, out);
+  work->scale = s.rr / (double)s.samples;
   return true;
+}
+
+/* What to take of each column for the curve's value there. */
+static void profile_row(const hl_light_model *model, double angle_rad, bool body, double cos_view,
+                        double row[HL_COLUMNS_MAX])
+{
+  const int n = model->has_lobe ? model->spline.n : 0;
+  memset(row, 0, HL_COLUMNS_MAX * sizeof *row);
+  if (body) {
+    const double of_body[3] = {1, cos_view, 1}; /* the light along the normal */
+    memcpy(row + n, of_body, (size_t)model->body * sizeof *row);
+  } else if (n > 0) {
+    double band[4];
+    const int at = hl_spline_values(&model->spline, 2 * sin(0.5 * angle_rad), band);
+    memcpy(row + at, band, sizeof band);
+  }
+}
+
+void hl_light_pose_profile(const hl_light_work *light, const hl_light_pose_work *work, int channel,
+                           double mean_cos_view, const double *angle_rad, int n, double *covariance)
+{
+  const hl_light_model *model = &light->kept;
+  const int columns = (model->has_lobe ? model->spline.n : 0) + hl_model_border(model);
+  const double level = light->brightness.level;
+  double row[HL_COLUMNS_MAX], other[HL_COLUMNS_MAX], solved[HL_COLUMNS_MAX];
+  for (int i = 0; i < n; i++) {
+    profile_row(model, angle_rad[i], i == 0, mean_cos_view, row);
+    hl_normal_solve(&work->base.factor[channel], row, solved);
+    for (int j = 0; j < n; j++) {
+      double sum = 0;
+      profile_row(model, angle_rad[j], j == 0, mean_cos_view, other);
+      for (int k = 0; k < columns; k++)
+        sum += other[k] * solved[k];
+      covariance[i * n + j] = level * level * work->scale * sum;
+    }
+  }
 }

@@ -22,4 +22,11 @@ void hl_light_pose_free(hl_light_pose_work *work);
 bool hl_light_pose_score(hl_light_work *light, const hl_surface *surface, hl_light_pose_work *work,
                          hl_light_pose *out);
 
+/* After hl_light_pose_score: covariance, in radiance squared, of the body's strength and of the lobe at
+ * `angle_rad` [1 .. n - 1], the direction held; shape (n, n). `angle_rad[0]` stands for the body. A body and a lobe that are alike
+ * in this frame are told apart by nothing, and this says so. */
+void hl_light_pose_profile(const hl_light_work *light, const hl_light_pose_work *work, int channel,
+                           double mean_cos_view, const double *angle_rad, int n,
+                           double *covariance);
+
 #endif

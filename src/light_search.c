@@ -149,7 +149,7 @@ int hl_light_look_around(struct hl_light_work *work, const hl_light_settings *se
 static double refine_coarse(struct hl_light_work *work, hl_light_model *model, double s[3])
 {
   memcpy(work->refined.at.s, s, sizeof work->refined.at.s);
-  for (int round = 0; round < 2; round++) {
+  for (int round = work->glanced ? 1 : 0; round < 2; round++) {
     const int breaks = round == 0 ? COARSE_BREAKS : MIDDLE_BREAKS;
     hl_light_breaks(&work->coarse, work->refined.at.s, breaks, LEAST_PIXELS, &model->spline);
     if (hl_light_refine(model, &work->coarse, ITERATIONS, coarse_tolerance_rad, 1, &work->model,
@@ -191,7 +191,10 @@ static double best_of(struct hl_light_work *work, const hl_light_settings *setti
       seen = seen || hl_angle(one[i].s, one[j].s) < same_rad;
     if (seen || !(one[i].cost <= worth_refining * least))
       continue;
-    const double fine = refine_fine(work, model, settings->threads, one[i].s);
+    /* few samples are refined with the final weights at once */
+    const double fine = work->glanced && count == 1
+                            ? one[i].cost
+                            : refine_fine(work, model, settings->threads, one[i].s);
     if (fine < cost) {
       cost = fine;
       memcpy(best, one[i].s, sizeof one[i].s);
@@ -208,7 +211,9 @@ bool hl_light_start(struct hl_light_work *work, const hl_light_settings *setting
   hl_light_weigh(&work->grey, noise_of(settings), NULL);
   for (int kind = 0; kind < 2; kind++) {
     model.lobe = kind == 0 ? HL_LOBE_PLAIN : HL_LOBE_FORESHORTENED;
-    if (settings->lobe == HL_LOBE_AUTO || settings->lobe == model.lobe)
+    /* from a glance both kinds start where the commoner one leads */
+    const bool automatic = settings->lobe == HL_LOBE_AUTO && !(work->glanced && kind == 0);
+    if (automatic || settings->lobe == model.lobe)
       cost[kind] = best_of(work, settings, &model, found, count, start[kind]);
   }
   for (int kind = 0; kind < 2; kind++)

@@ -75,6 +75,7 @@ static hl_status decide(hl_ctx *ctx, struct hl_light_work *work, const hl_surfac
   if (!isfinite(out->variant[out->kept].cost))
     return hl_fail(ctx, HL_ERR_DEGENERATE, "no reflectance model can be fitted to these pixels");
   hl_light_try_terms(work, surface, settings, start, out);
+  out->compared_cost = out->variant[out->kept].cost;
   return HL_OK;
 }
 
@@ -128,7 +129,7 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
     if (pass == 0 || out->outliers > work->all.n / 100)
       st = decide(ctx, work, surface, settings, start, out);
     if (st == HL_OK)
-      st = repeat(ctx, work, settings, ROUNDS, out);
+      st = repeat(ctx, work, settings, work->hurried ? 1 : ROUNDS, out);
     if (st != HL_OK || !reject || pass == PASSES - 1)
       break;
     const int before = out->outliers;
@@ -146,8 +147,9 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
     hl_light_weigh(&work->all, hl_light_final_noise, work->outlier);
   }
   memcpy(out->compared_s, work->best.at.s, sizeof out->compared_s);
-  for (int round = 0; st == HL_OK && surface->is_ball && round < (work->on_cells ? 1 : AREA_ROUNDS);
-       round++) {
+  /* a glance's noise is beyond what pixels' areas move the light by */
+  const int rounds = work->glanced || !surface->is_ball ? 0 : work->on_cells ? 1 : AREA_ROUNDS;
+  for (int round = 0; st == HL_OK && round < rounds; round++) {
     hl_light_bring_to_middle(work, &out->variant[out->kept].model, surface, settings->threads);
     st = repeat(ctx, work, settings, 1, out);
   }
@@ -155,7 +157,5 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
     return st;
   judge_colored_lobe(work, settings, out);
   trace_variants(ctx, out);
-  memcpy(out->coarse_s, start[out->variant[out->kept].model.lobe == HL_LOBE_FORESHORTENED],
-         sizeof out->coarse_s);
   return HL_OK;
 }

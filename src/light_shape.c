@@ -9,7 +9,7 @@
 
 #include "light_work.h"
 
-enum { BREAKS = 40, LEAST_PIXELS = 6, ITERATIONS = 12 };
+enum { LEAST_PIXELS = 6, ITERATIONS = 12 };
 const hl_light_noise hl_light_final_noise = {0.008, 0.02};
 static const double tolerance_rad = 1e-6, compare_tolerance_rad = 2e-5;
 static const double least_shape_gain =
@@ -31,7 +31,8 @@ hl_status hl_light_refine_variant(struct hl_light_work *work, const hl_light_set
   work->refined.at.nearness = variant->nearness;
   for (int round = 0; round < rounds; round++) {
     if (variant->model.has_lobe)
-      hl_light_breaks(&work->all, work->refined.at.s, BREAKS, LEAST_PIXELS, &variant->model.spline);
+      hl_light_breaks(&work->all, work->refined.at.s, settings->intervals, LEAST_PIXELS,
+                      &variant->model.spline);
     if (hl_light_refine(&variant->model, &work->all, ITERATIONS,
                         rounds > 1 ? tolerance_rad : compare_tolerance_rad, settings->threads,
                         &work->model, &work->refined) != 0)
@@ -88,6 +89,14 @@ static hl_variant of_kind(const struct hl_light_work *work, const hl_light_setti
   return saved > least_shape_gain + hl_light_noise_gain(work, 3) ? bent : simple;
 }
 
+static bool fits_clearly_better(const hl_light_settled *s, hl_variant plain,
+                                hl_variant foreshortened, double floor)
+{
+  const double left = s->variant[plain].cost - floor;
+  const double others = s->variant[foreshortened].cost - floor;
+  return !isfinite(others) || (isfinite(left) && left < plain_handicap * others);
+}
+
 /* Plain where, beyond the noise, it leaves clearly less than foreshortened does; then the fewest terms
  * that the others do not beat by a stated gain. */
 static void choose(const struct hl_light_work *work, const hl_light_settings *settings,
@@ -100,10 +109,10 @@ static void choose(const struct hl_light_work *work, const hl_light_settings *se
   /* beyond any camera there is no noise to speak of */
   const bool shows = hl_light_gain(work, out->variant[foreshortened].cost, 0) > 0;
   const double floor = shows ? (1 - noise_margin) * fmin(out->noise_cost, least) : 0;
-  const double plain_left = out->variant[plain].cost - floor;
-  const double foreshortened_left = out->variant[foreshortened].cost - floor;
-  const bool is_plain = !isfinite(foreshortened_left) ||
-                        (isfinite(plain_left) && plain_left < plain_handicap * foreshortened_left);
+  /* where the simple ones tell them apart already, bends that make up for the wrong kind do not count */
+  const bool is_plain =
+      fits_clearly_better(out, HL_VARIANT_PLAIN, HL_VARIANT_FORESHORTENED, floor) ||
+      fits_clearly_better(out, plain, foreshortened, floor);
   out->kept = is_plain ? plain : foreshortened;
   const hl_variant other = is_plain ? foreshortened : plain;
   const hl_variant simple = is_plain ? HL_VARIANT_PLAIN : HL_VARIANT_FORESHORTENED;
@@ -145,14 +154,11 @@ void hl_light_shape(struct hl_light_work *work, const hl_light_settings *setting
       (void)hl_light_refine_variant(work, settings, start[kind], 1,
                                     &out->variant[HL_VARIANT_PLAIN + kind]);
   }
-  const bool plain =
-      out->variant[HL_VARIANT_PLAIN].cost < out->variant[HL_VARIANT_FORESHORTENED].cost;
+  const int better =
+      out->variant[HL_VARIANT_PLAIN].cost < out->variant[HL_VARIANT_FORESHORTENED].cost ? 0 : 1;
+  const hl_light_variant *simple = &out->variant[HL_VARIANT_PLAIN + better];
   for (int kind = 0; kind < 2; kind++)
-    if (!work->lean || kind == (plain ? 0 : 1))
-      refine_bent(work, settings, kind, out);
-  const hl_light_variant *simple = &out->variant[HL_VARIANT_PLAIN];
-  if (!(simple->cost < out->variant[HL_VARIANT_FORESHORTENED].cost))
-    simple = &out->variant[HL_VARIANT_FORESHORTENED];
+    refine_bent(work, settings, kind, out);
   if (isfinite(simple->cost))
     hl_light_refine_variant(work, settings, simple->s, 1, &out->variant[HL_VARIANT_MATTE]);
   choose(work, settings, out);

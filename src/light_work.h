@@ -40,7 +40,8 @@ struct hl_light_work {
   hl_light_data coarse;   /* the brightest and a regular few of `grey` */
   hl_light_samples aside; /* the other of pixels and cells; shape (max_pixels) */
   bool on_cells;          /* `all` and its like are cells */
-  bool lean;              /* bends are tried on the better kind of lobe alone */
+  bool glanced;           /* not all of the surface's pixels are gathered */
+  bool hurried;           /* what is refined is refined once */
   bool blocks;            /* the pixels' blocks are known: place, bend */
   hl_light_box box;       /* of the gathered pixels */
   uint64_t *place;        /* shape (2 max_pixels): Morton key and pixel, ascending; scratch */
@@ -81,9 +82,10 @@ typedef struct hl_light_noise {
   double relative, absolute;
 } hl_light_noise;
 
-/* light_gather.c: frame and surface into work; HL_ERR_ARG where they do not fit each other. */
+/* light_gather.c: frame and surface into work, at most so many pixels (0 = all); HL_ERR_ARG where they do
+ * not fit each other. */
 hl_status hl_light_gather(hl_ctx *ctx, struct hl_light_work *work, const hl_frame *frame,
-                          const hl_surface *surface);
+                          const hl_surface *surface, int most);
 /* Largest key first, to a float's precision, ties in place; `scratch` has n places. */
 void hl_light_sort(hl_ranked *ranked, hl_ranked *scratch, int n);
 void hl_light_weigh(hl_light_data *data, hl_light_noise noise, const uint8_t *outlier);
@@ -158,7 +160,7 @@ typedef struct hl_light_settled {
   int outliers;
   int concentrated;     /* of them, that hl_light_concentrate found: 0 = it was not needed */
   double compared_s[3]; /* the kept one's as the others' were had */
-  double coarse_s[3];   /* the answer under relative weights */
+  double compared_cost; /* likewise: before pixels were left out, on cells where there are any */
   unsigned on;          /* bit t: every variant has term t */
   hl_term_verdict term[HL_LIGHT_TERMS];
   double nearness;             /* where a near light's variants start */
@@ -218,6 +220,18 @@ typedef struct hl_light_spread {
 void hl_light_uncertainty(struct hl_light_work *work, const hl_surface *surface,
                           const hl_light_model *model, const hl_light_settled *settled, int threads,
                           hl_light_spread *out);
+
+/* Corner of H^-1 M H^-1 that belongs to the direction, n x n. */
+void hl_light_sandwich(double h[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX],
+                       double m[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX], int n, double out[2][2]);
+
+/* light_misfit.c: adds the model's share to out->model and fills out->structure, from work->score, out->inverse
+ * and the white covariance; `tiles` receives the outer products of the scores of small tiles. */
+void hl_light_misfit(const struct hl_light_work *work, const hl_surface *surface,
+                     const hl_light_settled *settled, int q, double white[2][2],
+                     double tiles[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX], hl_light_spread *out);
+/* Largest eigenvalue of a relative to b, both 2 x 2 symmetric. */
+double hl_light_relative_size(double a[2][2], double b[2][2]);
 
 /* Inverse of a symmetric positive definite n x n, n <= HL_NONLINEAR_MAX; a zero pivot is lifted to 1e-12 of its own. */
 void hl_light_invert(const double a[HL_NONLINEAR_MAX][HL_NONLINEAR_MAX], int n,

@@ -4,6 +4,7 @@
 
 #include "halflight/export.h"
 #include "halflight/lights.h"
+#include "halflight/notes.h"
 #include "json_read.h"
 #include "lights_json.h"
 
@@ -14,6 +15,7 @@ void hl_lights_free(hl_lights *lights)
   for (int i = 0; i < lights->n; i++) {
     free(lights->light[i].file);
     free(lights->light[i].label);
+    hl_note_list_free(&lights->light[i].reasons);
   }
   free(lights->light);
   memset(lights, 0, sizeof *lights);
@@ -35,15 +37,5 @@ hl_status hl_lights_read(hl_ctx *ctx, const char *path, hl_lights *out)
   else
     hl_lights_free(lights);
   free(lights);
-  return st;
-}
-
-hl_status hl_lights_write(hl_ctx *ctx, const char *path, const hl_lights *lights)
-{
-  char *text = NULL;
-  hl_status st = hl_lights_json(ctx, lights, &text);
-  if (st == HL_OK)
-    st = hl_file_write(ctx, path, text, strlen(text));
-  free(text);
   return st;
 }

@@ -1,5 +1,4 @@
-/* The lights as a table, a row a frame, and as `.lp`; where no direction was found the row's numbers
- * are empty, and `.lp`, which has no word for it, leaves the light out. */
+/* The lights as a table, a row a frame; where no direction was found the row's numbers are empty. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,8 +34,9 @@ static void add_numbers(hl_text *text, const double *values, int n, bool known)
   }
 }
 
-static void add_light(hl_text *text, const hl_rig_light *l)
+static void add_light(hl_text *text, const hl_dome *dome, const hl_rig_light *l)
 {
+  const double off = dome->positions ? l->dome_off : DEG_PER_RAD * l->dome_off;
   const double ellipse[2] = {DEG_PER_RAD * l->ellipse_95_rad[0],
                              DEG_PER_RAD * l->ellipse_95_rad[1]};
   hl_text_number(text, l->frame, DIGITS);
@@ -54,6 +54,9 @@ static void add_light(hl_text *text, const hl_rig_light *l)
   add_numbers(text, l->position_m, 3, l->found && l->near);
   add_numbers(text, &l->exposure_us, 1, l->exposure_us > 0);
   add_numbers(text, &l->gain, 1, l->gain > 0);
+  const bool shaped = l->found && dome->shape != HL_DOME_NONE;
+  hl_text_add(text, !shaped ? "," : l->off_dome ? ",yes" : ",no");
+  add_numbers(text, &off, 1, shaped);
   hl_text_add(text, "\n");
 }
 
@@ -63,47 +66,13 @@ hl_status hl_lights_csv_write(hl_ctx *ctx, const char *path, const hl_lights *li
   hl_text_add(&text, "frame,file,label,trusted,ball,x,y,z,ellipse_95_major_deg,"
                      "ellipse_95_minor_deg,color_r,color_g,color_b,intensity_r,intensity_g,"
                      "intensity_b,intensity_sigma,position_x_m,position_y_m,position_z_m,"
-                     "exposure_us,gain\n");
+                     "exposure_us,gain,off_dome,");
+  hl_text_add(&text, lights->dome.positions ? "dome_off_m\n" : "dome_off_deg\n");
   for (int i = 0; i < lights->n; i++)
-    add_light(&text, &lights->light[i]);
+    add_light(&text, &lights->dome, &lights->light[i]);
   const hl_status st =
       text.failed ? hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory for %d lights", path, lights->n)
                   : hl_file_write(ctx, path, text.bytes, text.n);
   free(text.bytes);
-  return st;
-}
-
-/* Readers part a line at its spaces. */
-static char *list_name(const char *file)
-{
-  char *name = strdup(file);
-  for (char *c = name; c && (c = strpbrk(c, " \t\r\n\v\f"));)
-    *c = '_';
-  return name;
-}
-
-hl_status hl_lights_lp_write(hl_ctx *ctx, const char *path, const hl_lights *lights)
-{
-  const size_t room = lights->n > 0 ? (size_t)lights->n : 1;
-  char **names = calloc(room, sizeof *names);
-  double *directions = malloc(3 * room * sizeof *directions);
-  int n = 0;
-  bool good = names && directions;
-  for (int i = 0; good && i < lights->n; i++) {
-    if (!lights->light[i].found)
-      continue;
-    names[n] = list_name(lights->light[i].file);
-    good = names[n] != NULL;
-    memcpy(directions + (size_t)3 * (size_t)n, lights->light[i].direction,
-           sizeof lights->light[i].direction);
-    n++;
-  }
-  const hl_status st =
-      good ? hl_lp_write(ctx, path, (const char *const *)names, directions, n)
-           : hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory for %d lights", path, lights->n);
-  for (int i = 0; names && i < n; i++)
-    free(names[i]);
-  free(names);
-  free(directions);
   return st;
 }

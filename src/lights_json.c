@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "camera_json.h"
+#include "dome_json.h"
 #include "json_notes.h"
 #include "json_write.h"
 #include "sphere_json.h"
@@ -36,27 +37,41 @@ static json_t *ball_list(const hl_lights *lights)
   return kept(list, good);
 }
 
-static json_t *light_list(const hl_lights *lights)
+static json_t *light_of(const void *user, int i)
 {
-  const int columns = hl_camera_intrinsics_count(&lights->camera);
-  json_t *list = json_array();
-  bool good = list != NULL;
-  for (int i = 0; i < lights->n && good; i++)
-    good = json_array_append_new(list, hl_rig_light_document(&lights->light[i], columns)) == 0;
-  return kept(list, good);
+  const hl_lights *lights = user;
+  return hl_rig_light_document(&lights->light[i], hl_camera_intrinsics_count(&lights->camera));
 }
 
-hl_status hl_lights_json(hl_ctx *ctx, const hl_lights *lights, char **out)
+static hl_json_long light_list(const hl_lights *lights)
+{
+  return (hl_json_long){"lights", lights->n, light_of, lights};
+}
+
+/* All but the lights themselves. */
+static json_t *document(const hl_lights *lights)
 {
   json_t *root = json_pack("{s:s,s:i}", "format", "halflight-lights", "version", 1);
   const bool good = root && set(root, "trusted", json_boolean(lights->trusted)) &&
                     set(root, "reasons", hl_json_notes(&lights->reasons)) &&
                     set(root, "camera", hl_camera_json_document(&lights->camera)) &&
-                    set(root, "balls", ball_list(lights)) &&
-                    set(root, "lights", light_list(lights)) &&
+                    set(root, "balls", ball_list(lights)) && set(root, "lights", json_null()) &&
+                    set(root, "dome", hl_dome_document(lights)) &&
                     set(root, "used", hl_json_notes(&lights->used)) &&
                     set(root, "left_out", hl_json_notes(&lights->left_out));
-  return hl_json_text(ctx, kept(root, good), out);
+  return kept(root, good);
+}
+
+hl_status hl_lights_json(hl_ctx *ctx, const hl_lights *lights, char **out)
+{
+  const hl_json_long list = light_list(lights);
+  return hl_json_long_text(ctx, document(lights), &list, out);
+}
+
+hl_status hl_lights_write(hl_ctx *ctx, const char *path, const hl_lights *lights)
+{
+  const hl_json_long list = light_list(lights);
+  return hl_json_long_write(ctx, document(lights), &list, path);
 }
 
 /* "PATH: list[i]", so that a refusal names the element. */
@@ -129,5 +144,7 @@ hl_status hl_lights_members(hl_json_source source, const json_t *root, hl_lights
     st = hl_camera_json_members(source, json_object_get(root, "camera"), &out->camera);
   if (st == HL_OK)
     st = read_balls(source, root, out);
-  return st == HL_OK ? read_lights(source, root, out) : st;
+  if (st == HL_OK)
+    st = read_lights(source, root, out);
+  return st == HL_OK ? hl_dome_members(source, root, out) : st;
 }

@@ -41,7 +41,7 @@ json_t *hl_rig_light_document(const hl_rig_light *l, int columns)
 {
   json_t *one = json_pack("{s:i,s:s,s:s,s:i,s:b,s:b,s:o,s:f,s:f}", "frame", l->frame, "file",
                           l->file, "label", l->label, "ball", l->ball, "found", (int)l->found,
-                          "trusted", (int)l->trusted, "reasons", hl_json_notes(&l->reasons),
+                          "trusted", (int)l->trusted, "reasons", hl_json_note_list(&l->reasons),
                           "exposure_us", l->exposure_us, "gain", l->gain);
   if (one && (!l->found || set_direction(one, l, columns)))
     return one;
@@ -85,7 +85,7 @@ static hl_status read_place(hl_json_source s, const json_t *o, int n_balls, hl_r
   if (st == HL_OK)
     st = read_bool(s, o, "trusted", &l->trusted);
   if (st == HL_OK)
-    st = hl_json_notes_read(s, o, "reasons", &l->reasons);
+    st = hl_json_note_list_read(s, o, "reasons", &l->reasons);
   if (st == HL_OK)
     st = hl_json_number(s, o, "exposure_us", 0, LARGEST, &l->exposure_us);
   if (st == HL_OK)

@@ -14,12 +14,13 @@
 
 static const double min_cos_view = 0.1;
 
-enum { JOBS_MAX = 256, POSE_FRAMES = 64, NAMED_MAX = 6 };
+enum { JOBS_MAX = 256, POSE_FRAMES = 64, NAMED_MAX = 6, REPLAY_PIXELS = 1000 };
 
 hl_replay_settings hl_replay_defaults(void)
 {
   hl_replay_settings s = {.pose_frames = POSE_FRAMES, .light = hl_light_defaults()};
   /* in one frame either looks like a ball that is a little off, and would hide what all of them say */
+  s.light.pixels = REPLAY_PIXELS;
   s.light.without = 1u << HL_LIGHT_NEAR | 1u << HL_LIGHT_BACKSCATTER;
   return s;
 }
@@ -58,8 +59,11 @@ static hl_status prepare(hl_ctx *ctx, hl_replay_run *run)
   run->settings.light.budget_ms = 0; /* a result that depends on the clock does not repeat */
   run->n_balls = s->n_balls;
   run->frame = calloc((size_t)s->n, sizeof *run->frame);
-  if (!run->frame)
+  run->seen = calloc((size_t)s->n * (size_t)s->n_balls, sizeof *run->seen);
+  if (!run->frame || !run->seen)
     return hl_fail(ctx, HL_ERR_MEMORY, "no memory for %d frames", s->n);
+  for (int i = 0; i < s->n; i++)
+    run->frame[i].seen = run->seen + (ptrdiff_t)i * s->n_balls;
 #ifdef _OPENMP
   run->jobs = run->settings.jobs > 0 ? run->settings.jobs : omp_get_max_threads();
 #else
@@ -145,19 +149,23 @@ static void name_frames(const hl_replay_run *run, hl_lights *out, const char *wh
                         bool (*is)(const hl_replay_run *, const hl_rig_light *))
 {
   char names[96] = "";
-  int n = 0;
+  int n = 0, named = 0;
   for (int i = 0; i < run->session->n; i++) {
     if (!is(run, &out->light[i]))
       continue;
     const size_t at = strlen(names);
     const char *file = run->session->frame[i].file;
-    if (n++ < NAMED_MAX && at + strlen(file) + 3 < sizeof names) {
+    n++;
+    if (named < NAMED_MAX && at + strlen(file) + 3 < sizeof names) {
       snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "", file);
+      named++;
     }
   }
   if (n > 0)
     hl_notes_add(&out->reasons, what, "%d of %d frames %s: %s%s", n, run->session->n, why, names,
-                 n > NAMED_MAX ? ", ..." : "");
+                 n == named  ? ""
+                 : named > 0 ? ", ..."
+                             : "...");
 }
 
 static bool is_without(const hl_replay_run *run, const hl_rig_light *l)
@@ -210,6 +218,7 @@ static hl_status gather(hl_ctx *ctx, hl_replay_run *run, hl_lights *out)
   for (int i = 0; i < s->n && st == HL_OK; i++) {
     out->n = i + 1;
     out->light[i] = run->frame[i].light;
+    run->frame[i].light.reasons = (hl_note_list){0}; /* moved */
     out->light[i].frame = i;
     out->light[i].exposure_us = s->frame[i].exposure_us;
     out->light[i].gain = s->frame[i].gain;
@@ -218,19 +227,24 @@ static hl_status gather(hl_ctx *ctx, hl_replay_run *run, hl_lights *out)
   if (st != HL_OK)
     return st;
   hl_replay_joint(run, out);
-  hl_replay_intensity(run, out);
+  st = hl_replay_intensity(ctx, run, out);
+  if (st != HL_OK)
+    return st;
   describe(run, out);
   for (int i = 0; i < out->n; i++)
     if (out->light[i].found && run->frame[i].seen[out->light[i].ball].scored)
       hl_replay_add_parts(out, &out->light[i]);
-  return HL_OK;
+  return hl_lights_find_dome(ctx, out);
 }
 
 static void end(hl_replay_run *run)
 {
   for (int b = 0; b < run->n_balls; b++)
     hl_surface_free(&run->ball[b].surface);
+  for (int i = 0; run->frame && i < run->session->n; i++)
+    hl_note_list_free(&run->frame[i].light.reasons);
   free(run->frame);
+  free(run->seen);
   free(run->conditions);
   pthread_mutex_destroy(&run->guard);
   free(run);
@@ -259,6 +273,8 @@ hl_status hl_replay(hl_ctx *ctx, const hl_session *session, const char *folder,
     st = hl_replay_pose(ctx, run);
   if (st == HL_OK && !run->stopped)
     st = make_surfaces(ctx, run);
+  if (st == HL_OK && !run->stopped)
+    st = hl_replay_kind(ctx, run);
   if (st == HL_OK && !run->stopped)
     st = hl_replay_conditions(ctx, run);
   if (st == HL_OK && !run->stopped)

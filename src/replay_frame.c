@@ -54,10 +54,11 @@ static hl_status make_room(hl_ctx *ctx, hl_replay_job *job, int pixels, int chan
 static bool own_pose(const hl_replay_run *run, const hl_frame *frame, const hl_replay_ball *ball,
                      hl_sphere *out)
 {
-  if (hl_sphere_relocate(NULL, frame, &run->camera, &ball->pose, NULL, out, NULL) == HL_OK)
-    return true;
   hl_sphere_settings s = hl_sphere_defaults();
   double center[2];
+  s.blur_px = ball->blur_px;
+  if (hl_sphere_relocate(NULL, frame, &run->camera, &ball->pose, &s, out, NULL) == HL_OK)
+    return true;
   if (hl_camera_project(NULL, &run->camera, ball->pose.center_m, center) != HL_OK)
     return false;
   s.hint_x_px = center[0];
@@ -89,14 +90,13 @@ static bool has_moved(const hl_replay_run *run, const hl_replay_ball *ball, cons
          seen->moved_px > least_moved_px;
 }
 
-static void rig_light(const hl_light *l, const hl_surface *surface, hl_rig_light *out)
+static bool rig_light(const hl_light *l, const hl_surface *surface, hl_rig_light *out)
 {
   const hl_sphere *ball = &surface->ball;
   const int n = hl_camera_intrinsics_count(&surface->camera);
   const bool follows = ball->n_intrinsics == n && surface->camera.has_covariance;
   out->found = l->found;
   out->trusted = l->found && l->trusted;
-  out->reasons = l->reasons;
   memcpy(out->direction, l->direction, sizeof out->direction);
   memcpy(out->tangent_basis, l->tangent_basis, sizeof out->tangent_basis);
   memcpy(out->covariance_rad2, l->covariance_rad2, sizeof out->covariance_rad2);
@@ -115,6 +115,7 @@ static void rig_light(const hl_light *l, const hl_surface *surface, hl_rig_light
       for (int k = 0; k < 3; k++)
         out->by_intrinsics[u][j] += l->by_center[u][k] * ball->by_intrinsics[k][j];
   }
+  return hl_note_list_set(&out->reasons, &l->reasons);
 }
 
 static double spread(const hl_light *l)
@@ -142,7 +143,13 @@ static hl_status estimate(hl_ctx *ctx, hl_replay_job *job, const hl_replay_run *
   if (st != HL_OK)
     return st;
   memset(&job->other, 0, sizeof job->other);
-  st = hl_light_estimate(&inner, job->light, frame, surface, &run->settings.light, &job->other);
+  st = hl_light_estimate(&inner, job->light, frame, surface, &run->ball[b].light, &job->other);
+  if (run->ball[b].narrowed && (st == HL_ERR_DEGENERATE || !job->other.trusted)) {
+    memset(&job->other, 0, sizeof job->other);
+    st = hl_light_estimate(&inner, job->light, frame, surface, &run->settings.light, &job->other);
+  } else {
+    hl_replay_explain(run, &job->other);
+  }
   if (st == HL_ERR_ARG || st == HL_ERR_MEMORY)
     return hl_fail(ctx, st, "%s", inner.msg);
   if (st != HL_OK)
@@ -158,13 +165,16 @@ static hl_status estimate(hl_ctx *ctx, hl_replay_job *job, const hl_replay_run *
   }
   if (job->other.found) {
     hl_replay_profile(&job->other, seen->profile);
-    seen->scored = common && !seen->moved && !run->settings.no_joint &&
-                   hl_light_pose_score(job->light, surface, job->pose, &seen->pose);
+    const bool scored = hl_light_pose_score(job->light, surface, job->pose, &seen->pose);
+    if (scored)
+      hl_replay_open(&job->other, job->light, job->pose, seen->open);
+    seen->scored = scored && common && !seen->moved && !run->settings.no_joint;
   }
   if (b > 0 && !better(&job->other, &job->best))
     return HL_OK;
   job->best = job->other;
-  rig_light(&job->best, surface, &out->light);
+  if (!rig_light(&job->best, surface, &out->light))
+    return hl_fail(ctx, HL_ERR_MEMORY, "no memory for the reasons of a light");
   out->light.ball = b;
   return HL_OK;
 }
@@ -190,10 +200,11 @@ static hl_status ball_in_frame(hl_ctx *ctx, hl_replay_job *job, const hl_replay_
   return st;
 }
 
-static void unread(hl_replay_frame *out, const char *why)
+static hl_status unread(hl_ctx *ctx, hl_replay_frame *out, const char *why)
 {
-  memset(out, 0, sizeof *out);
-  hl_notes_add(&out->light.reasons, "frame", "%s", why);
+  return hl_note_list_add(&out->light.reasons, "frame", "%s", why)
+             ? HL_OK
+             : hl_fail(ctx, HL_ERR_MEMORY, "no memory for the reasons of a frame");
 }
 
 static hl_status fresh(hl_ctx *ctx, hl_replay_job *job, const hl_replay_run *run, int i,
@@ -204,8 +215,7 @@ static hl_status fresh(hl_ctx *ctx, hl_replay_job *job, const hl_replay_run *run
   hl_ctx inner = {0};
   hl_status st = hl_replay_read(&inner, run, i, &frame);
   if (st != HL_OK) {
-    unread(out, inner.msg);
-    return st == HL_ERR_MEMORY ? hl_fail(ctx, st, "%s", inner.msg) : HL_OK;
+    return st == HL_ERR_MEMORY ? hl_fail(ctx, st, "%s", inner.msg) : unread(ctx, out, inner.msg);
   }
   memset(&job->best, 0, sizeof job->best);
   for (int b = 0; b < run->n_balls && st == HL_OK; b++)
@@ -219,10 +229,11 @@ hl_status hl_replay_one(hl_ctx *ctx, hl_replay_job *job, hl_replay_run *run, int
   char key[HL_REPLAY_KEY];
   hl_ctx inner = {0};
   *reused = false;
-  if (hl_replay_key(&inner, run, i, key) != HL_OK) {
-    unread(&run->frame[i], inner.msg);
-    return HL_OK;
-  }
+  const hl_status st = hl_replay_key(&inner, run, i, key);
+  if (st == HL_ERR_MEMORY)
+    return hl_fail(ctx, st, "%s", inner.msg);
+  if (st != HL_OK)
+    return unread(ctx, &run->frame[i], inner.msg);
   if (run->folder && hl_replay_recall(run, i, key, &run->frame[i])) {
     *reused = true;
     return HL_OK;

@@ -4,9 +4,17 @@
  * body, and the lobe at a few angles). Knots differ in how well frames agree on them: a sharp peak and a
  * faint tail do not. With S_kl the variance of log y_k - log y_l over the frames, which the light's own
  * brightness leaves, that of knot k alone is (S_kl + S_km - S_lm) / 2 (Grubbs 1948), the median over all
- * l, m. The weighted mean over the knots is the light's; its stated deviation is that between the body and
- * the knot of the lobe that agrees best with it (of two knots apart, where there is no body): neighbours
- * on one curve err together.
+ * l, m. The weighted mean over the knots is where each light starts.
+ *
+ * How firmly a frame holds its curve differs more. Under a light near the view, body and lobe are nearly one
+ * curve, and how the frame divides between them is chance; the covariance C of that is known from the frame's
+ * normal equations (hl_light_pose_profile). With the session's curve m fixed, generalized least squares under
+ * C + diag(var) gives such a light the brightness that its frame does know. A frame that knows its curve has
+ * small C, and nothing changes.
+ *
+ * Stated deviation: body and lobe are two readings of one brightness; of the lobe's knot that agrees best with
+ * the body (of two knots apart, where there is no body: neighbours on one curve err together), S is the variance
+ * of their difference, so that of their mean is S / 4; what C adds is added.
  *
  * A frame whose curves are not the session's, though its ball is, has taken body for lobe or the other
  * way round, and its direction with it: it is not to be trusted.
@@ -15,6 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cholesky.h"
 #include "halflight/notes.h"
 #include "replay_work.h"
 
@@ -24,7 +33,9 @@ static const double least_scatter = 1e-3, least_share = 1e-3;
 /* Knots that are shown by a tenth of the largest and on which frames agree to 5 % must agree to this. */
 static const double telling_share = 0.1, telling_scatter = 0.05, agreement = 0.25;
 
-enum { LEAST_FRAMES = 4, ROUNDS = 6 };
+static const double misfit_accepted = 22.46; /* chi^2, 6 degrees of freedom, 0.999 */
+
+enum { LEAST_FRAMES = 4, ROUNDS = 6, TELL_ROUNDS = 4 };
 
 static double at_angle(const hl_curve *curve, double angle)
 {
@@ -54,6 +65,24 @@ void hl_replay_profile(const hl_light *light, double profile[3][HL_REPLAY_KNOTS]
     memcpy(profile[i], profile[0], sizeof profile[0]);
 }
 
+void hl_replay_open(const hl_light *light, const hl_light_work *work,
+                    const hl_light_pose_work *pose, double open[3][HL_REPLAY_PAIRS])
+{
+  double covariance[HL_REPLAY_KNOTS * HL_REPLAY_KNOTS];
+  for (int c = 0; c < 3; c++) {
+    int at = 0;
+    if (c >= light->channels) {
+      memcpy(open[c], open[0], sizeof open[c]);
+      continue;
+    }
+    hl_light_pose_profile(work, pose, c, light->mean_cos_view, knot_rad, HL_REPLAY_KNOTS,
+                          covariance);
+    for (int k = 0; k < HL_REPLAY_KNOTS; k++)
+      for (int l = k; l < HL_REPLAY_KNOTS; l++)
+        open[c][at++] = covariance[k * HL_REPLAY_KNOTS + l];
+  }
+}
+
 static int compare(const void *a, const void *b)
 {
   const double x = *(const double *)a, y = *(const double *)b;
@@ -65,6 +94,8 @@ typedef struct channel {
   double (*y)[HL_REPLAY_KNOTS]; /* log, NAN where it is not shown */
   double *a;                    /* log */
   double *room;
+  const double **open; /* shape (n): as hl_replay_seen's, of this channel */
+  double *exposure;
   double m[HL_REPLAY_KNOTS], variance[HL_REPLAY_KNOTS];
   double stated; /* variance of `a`; HUGE_VAL: not known */
 } channel;
@@ -148,7 +179,9 @@ static void gather(const hl_replay_run *run, const hl_lights *lights, int c, cha
     for (int k = 0; k < HL_REPLAY_KNOTS; k++)
       most = fmax(most, p[k]);
     ch->a[i] = l->found && most > 0 ? 0 : NAN;
+    ch->open[i] = run->frame[i].seen[l->ball].open[c];
     const double exposure = (l->exposure_us > 0 ? l->exposure_us : 1) * (l->gain > 0 ? l->gain : 1);
+    ch->exposure[i] = exposure;
     for (int k = 0; k < HL_REPLAY_KNOTS; k++)
       ch->y[i][k] = l->found && p[k] > least_share * most ? log(p[k] / exposure) : NAN;
   }
@@ -178,6 +211,60 @@ static void fall_back(channel *ch)
       return;
     }
   }
+}
+
+/* What a frame says about its light's brightness once the session's curve is known. */
+typedef struct told {
+  double a;      /* log */
+  double excess; /* beyond that of a frame whose pixels tell everything apart */
+  double misfit; /* of its curve from the session's, in deviations squared */
+} told;
+
+/* Generalized least squares of exp(a) m to the frame's curve z about the present a: with z and its open
+ * part C both in units of exp(a) m,
+ *
+ *   a += (1' V^-1 (z - 1)) / (1' V^-1 1),   V = C + diag(variance). */
+static bool tell(const channel *ch, int i, told *out)
+{
+  double v[HL_REPLAY_KNOTS * HL_REPLAY_KNOTS], z[HL_REPLAY_KNOTS], one[HL_REPLAY_KNOTS];
+  double unit[HL_REPLAY_KNOTS], plain = 0;
+  int at[HL_REPLAY_KNOTS], n = 0;
+  for (int k = 0; k < HL_REPLAY_KNOTS; k++)
+    if (isfinite(ch->y[i][k]) && isfinite(ch->variance[k]))
+      at[n++] = k;
+  for (int p = 0; p < n; p++) {
+    unit[p] = ch->exposure[i] * exp(out->a + ch->m[at[p]]);
+    z[p] = exp(ch->y[i][at[p]] - out->a - ch->m[at[p]]) - 1;
+    one[p] = 1;
+    plain += 1 / ch->variance[at[p]];
+  }
+  for (int p = 0; p < n; p++)
+    for (int q = p; q < n; q++) {
+      const int k = at[p], l = at[q];
+      const int pair = k * HL_REPLAY_KNOTS - k * (k - 1) / 2 + l - k;
+      v[p * n + q] = v[q * n + p] =
+          ch->open[i][pair] / (unit[p] * unit[q]) + (p == q ? ch->variance[k] : 0);
+    }
+  if (n == 0 || hl_cholesky(v, n, n, 1e-12) > 0)
+    return false;
+  double w[HL_REPLAY_KNOTS], sum = 0, weight = 0, misfit = 0;
+  memcpy(w, one, sizeof w);
+  hl_cholesky_solve(v, n, n, w);
+  for (int p = 0; p < n; p++) {
+    sum += w[p] * z[p];
+    weight += w[p];
+  }
+  const double step = sum / weight;
+  for (int p = 0; p < n; p++)
+    one[p] = z[p] - step;
+  memcpy(w, one, sizeof w);
+  hl_cholesky_solve(v, n, n, w);
+  for (int p = 0; p < n; p++)
+    misfit += w[p] * one[p];
+  if (!isfinite(step) || !(step > -0.9))
+    return false;
+  *out = (told){out->a + log1p(step), fmax(0, 1 / weight - 1 / plain), misfit};
+  return true;
 }
 
 static bool agrees(const channel *ch, int i)
@@ -217,27 +304,40 @@ static void solve(const hl_replay_run *run, int c, channel *ch, hl_lights *out)
     hl_rig_light *l = &out->light[i];
     if (!l->found || !isfinite(ch->a[i]))
       continue;
-    l->intensity[c] = exp(ch->a[i] - middle);
-    if (isfinite(ch->stated))
-      l->intensity_sigma = fmax(l->intensity_sigma, fmax(sqrt(ch->stated), least_scatter));
-    if (l->trusted && ch->n >= LEAST_FRAMES && !agrees(ch, i)) {
+    told t = {.a = ch->a[i]};
+    bool open = ch->n >= LEAST_FRAMES;
+    for (int round = 0; round < TELL_ROUNDS && open; round++)
+      open = tell(ch, i, &t);
+    l->intensity[c] = exp((open ? t.a : ch->a[i]) - middle);
+    if (isfinite(ch->stated)) {
+      const double variance = open ? ch->stated / 4 + t.excess : ch->stated;
+      l->intensity_sigma = fmax(l->intensity_sigma, fmax(sqrt(variance), least_scatter));
+    }
+    if (l->trusted && ch->n >= LEAST_FRAMES && !agrees(ch, i) &&
+        !(open && t.misfit <= misfit_accepted)) {
       l->trusted = false;
-      hl_notes_add(&l->reasons, "reflectance",
-                   "body and lobe are not those of the session's other frames");
+      (void)hl_note_list_add(&l->reasons, "reflectance",
+                             "body and lobe are not those of the session's other frames");
     }
   }
 }
 
-void hl_replay_intensity(const hl_replay_run *run, hl_lights *out)
+hl_status hl_replay_intensity(hl_ctx *ctx, const hl_replay_run *run, hl_lights *out)
 {
   const size_t n = (size_t)out->n;
   channel ch = {.n = out->n,
                 .y = malloc(n * sizeof *ch.y),
                 .a = malloc(n * sizeof *ch.a),
-                .room = malloc(n * sizeof *ch.room)};
-  for (int c = 0; c < 3 && ch.y && ch.a && ch.room; c++)
+                .room = malloc(n * sizeof *ch.room),
+                .open = malloc(n * sizeof *ch.open),
+                .exposure = malloc(n * sizeof *ch.exposure)};
+  const bool good = ch.y && ch.a && ch.room && ch.open && ch.exposure;
+  for (int c = 0; c < 3 && good; c++)
     solve(run, c, &ch, out);
   free(ch.y);
   free(ch.a);
   free(ch.room);
+  free(ch.open);
+  free(ch.exposure);
+  return good ? HL_OK : hl_fail(ctx, HL_ERR_MEMORY, "no memory for %d intensities", out->n);
 }

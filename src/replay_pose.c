@@ -17,14 +17,15 @@
 #include "halflight/vec3.h"
 #include "replay_work.h"
 
-static const double common_px = 0.006; /* as in calib/sphere_locate.c */
+static const double common_px = 0.006;    /* as in calib/sphere_locate.c */
+static const double least_blur_px = 0.02; /* none, and known: 0 would be found in each frame */
 static const double chi2_3_median = 2.366, chi2_3_999 = 16.27;
 
 enum { STARTS = 5, ROUNDS = 8 };
 
 typedef struct outline {
   bool seen, used;
-  double center[3], covariance[3][3];
+  double center[3], covariance[3][3], blur_px;
 } outline;
 
 hl_status hl_replay_read(hl_ctx *ctx, const hl_replay_run *run, int i, hl_frame *out)
@@ -214,10 +215,11 @@ static bool combine(const hl_replay_run *run, outline *o, int n, double *room, h
   return true;
 }
 
-static void keep_outline(const hl_sphere *pose, outline *out)
+static void keep_outline(const hl_sphere *pose, const hl_sphere_fit *fit, outline *out)
 {
   /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): checked where it is made */
   out->seen = true;
+  out->blur_px = fmax(fit->blur_px, least_blur_px);
   memcpy(out->center, pose->center_m, sizeof out->center);
   memcpy(out->covariance, pose->n_intrinsics > 0 ? pose->held_covariance_m2 : pose->covariance_m2,
          sizeof out->covariance);
@@ -230,7 +232,7 @@ static double size_of(const hl_sphere *s)
 
 /* The surest of the first few frames that show the ball. */
 static hl_status start(hl_ctx *ctx, const hl_replay_run *run, int b, int n, int stride,
-                       hl_sphere *out)
+                       hl_sphere *out, double *blur_px)
 {
   const hl_session_ball *ball = &run->session->ball[b];
   const hl_sphere_settings settings = hl_replay_near(ball);
@@ -239,17 +241,20 @@ static hl_status start(hl_ctx *ctx, const hl_replay_run *run, int b, int n, int 
   for (int k = 0; k < n && found < STARTS; k++) {
     hl_frame frame;
     hl_sphere one;
+    hl_sphere_fit fit;
     hl_status st = hl_replay_read(&inner, run, k * stride, &frame);
     if (st == HL_OK) {
-      st = hl_sphere_locate(&inner, &frame, &run->camera, ball->radius_m, &settings, &one, NULL);
+      st = hl_sphere_locate(&inner, &frame, &run->camera, ball->radius_m, &settings, &one, &fit);
       hl_frame_free(&frame);
     }
     if (st != HL_OK && first.status == HL_OK)
       first = inner;
     if (st != HL_OK)
       continue;
-    if (found++ == 0 || size_of(&one) < size_of(out))
-      *out = one;
+    if (found++ > 0 && size_of(&one) >= size_of(out))
+      continue;
+    *out = one;
+    *blur_px = fmax(fit.blur_px, least_blur_px);
   }
   return found > 0 ? HL_OK
                    : hl_fail(ctx, HL_ERR_DEGENERATE, "no frame shows ball %d; the first: %s", b,
@@ -269,10 +274,12 @@ static void read_one(const reading *r, int k)
     return;
   for (int b = 0; b < r->run->n_balls; b++) {
     hl_sphere one;
-    if (!r->run->ball[b].given &&
-        hl_sphere_relocate(NULL, &frame, &r->run->camera, &r->run->ball[b].pose, NULL, &one,
-                           NULL) == HL_OK)
-      keep_outline(&one, &r->outline[b * r->n + k]);
+    hl_sphere_fit fit;
+    hl_sphere_settings s = hl_sphere_defaults();
+    s.blur_px = r->run->ball[b].blur_px;
+    if (hl_sphere_relocate(NULL, &frame, &r->run->camera, &r->run->ball[b].pose, &s, &one, &fit) ==
+        HL_OK)
+      keep_outline(&one, &fit, &r->outline[b * r->n + k]);
   }
   hl_frame_free(&frame);
 }
@@ -306,7 +313,7 @@ static hl_status find_starts(hl_ctx *ctx, hl_replay_run *run, int n, int stride)
     run->ball[b].excess = 1;
     if (!ball->sphere) {
       st = ball->radius_m > 0
-               ? start(ctx, run, b, n, stride, &run->ball[b].pose)
+               ? start(ctx, run, b, n, stride, &run->ball[b].pose, &run->ball[b].blur_px)
                : hl_fail(ctx, HL_ERR_FORMAT,
                          "ball %d has neither sphere nor radius_m; one of the two is needed", b);
       continue;
@@ -318,6 +325,15 @@ static hl_status find_starts(hl_ctx *ctx, hl_replay_run *run, int n, int stride)
     free(path);
   }
   return st;
+}
+
+static double median_blur(const outline *o, int n, double *room)
+{
+  int m = 0;
+  for (int i = 0; i < n; i++)
+    if (o[i].seen)
+      room[m++] = o[i].blur_px;
+  return m > 0 ? median(room, m) : 0;
 }
 
 hl_status hl_replay_pose(hl_ctx *ctx, hl_replay_run *run)
@@ -333,6 +349,8 @@ hl_status hl_replay_pose(hl_ctx *ctx, hl_replay_run *run)
     st = hl_fail(ctx, HL_ERR_MEMORY, "no memory for %d outlines", n);
   if (st == HL_OK)
     read_outlines(&r);
+  for (int b = 0; b < run->n_balls && st == HL_OK; b++)
+    run->ball[b].blur_px = median_blur(r.outline + (size_t)b * (size_t)n, n, room);
   for (int b = 0; b < run->n_balls && st == HL_OK && !run->stopped; b++)
     if (!run->ball[b].given &&
         !combine(run, r.outline + (size_t)b * (size_t)n, n, room, &run->ball[b]))

@@ -14,6 +14,7 @@
 
 #include "halflight/export.h"
 #include "halflight/info.h"
+#include "halflight/notes.h"
 #include "json_notes.h"
 #include "json_read.h"
 #include "json_write.h"
@@ -48,6 +49,7 @@ static void add_settings(const hl_replay_run *run, hl_text *text)
                            l->model_error,
                            l->outlier_sigmas,
                            l->widest_deg,
+                           l->intervals,
                            f->transfer,
                            f->gamma,
                            f->black,
@@ -75,6 +77,9 @@ hl_status hl_replay_conditions(hl_ctx *ctx, hl_replay_run *run)
       hl_text_add(&text, part);
     free(part);
     add_number(&text, run->ball[b].excess);
+    add_number(&text, run->ball[b].blur_px);
+    add_number(&text, run->ball[b].light.lobe);
+    add_number(&text, run->ball[b].light.without);
   }
   if (st == HL_OK && text.failed)
     st = hl_fail(ctx, HL_ERR_MEMORY, "no memory for the conditions of a replay");
@@ -136,12 +141,13 @@ static void path_of(const hl_replay_run *run, int i, char path[PATH_ROOM])
 
 static json_t *seen_document(const hl_replay_seen *s)
 {
-  return json_pack("{s:b,s:b,s:f,s:b,s:o,s:o,s:o,s:o}", "outlined", (int)s->outlined, "moved",
+  return json_pack("{s:b,s:b,s:f,s:b,s:o,s:o,s:o,s:o,s:o}", "outlined", (int)s->outlined, "moved",
                    (int)s->moved, "moved_px", s->moved_px, "scored", (int)s->scored, "gradient",
                    hl_json_reals(s->pose.gradient, 3), "information",
                    hl_json_rows(s->pose.information[0], 3, 3, 3), "by_center",
                    hl_json_rows(s->pose.by_center[0], 2, 3, 3), "profile",
-                   hl_json_rows(s->profile[0], 3, HL_REPLAY_KNOTS, HL_REPLAY_KNOTS));
+                   hl_json_rows(s->profile[0], 3, HL_REPLAY_KNOTS, HL_REPLAY_KNOTS), "open",
+                   hl_json_rows(s->open[0], 3, HL_REPLAY_PAIRS, HL_REPLAY_PAIRS));
 }
 
 static json_t *replay_document(const hl_replay_run *run, const char *key,
@@ -194,7 +200,8 @@ static bool recall_seen(hl_json_source s, const json_t *o, hl_replay_seen *out)
          hl_json_numbers(s, o, "gradient", 3, out->pose.gradient) == HL_OK &&
          hl_json_matrix(s, o, "information", 3, 3, out->pose.information[0]) == HL_OK &&
          hl_json_matrix(s, o, "by_center", 2, 3, out->pose.by_center[0]) == HL_OK &&
-         hl_json_matrix(s, o, "profile", 3, HL_REPLAY_KNOTS, out->profile[0]) == HL_OK;
+         hl_json_matrix(s, o, "profile", 3, HL_REPLAY_KNOTS, out->profile[0]) == HL_OK &&
+         hl_json_matrix(s, o, "open", 3, HL_REPLAY_PAIRS, out->open[0]) == HL_OK;
 }
 
 bool hl_replay_recall(const hl_replay_run *run, int i, const char *key, hl_replay_frame *out)
@@ -210,18 +217,23 @@ bool hl_replay_recall(const hl_replay_run *run, int i, const char *key, hl_repla
   const json_t *balls = json_object_get(replay, "balls");
   bool good = json_is_object(replay) && hl_json_string(source, replay, "key", &found) == HL_OK &&
               strcmp(found, key) == 0 && json_array_size(balls) == (size_t)run->n_balls;
-  hl_replay_frame frame;
-  memset(&frame, 0, sizeof frame);
-  good =
-      good && hl_rig_light_members(source, json_object_get(replay, "light"), run->n_balls,
-                                   hl_camera_intrinsics_count(&run->camera), &frame.light) == HL_OK;
+  hl_replay_seen seen[HL_BALLS_MAX];
+  hl_rig_light light;
+  memset(&light, 0, sizeof light);
+  memset(seen, 0, sizeof seen);
+  good = good && hl_rig_light_members(source, json_object_get(replay, "light"), run->n_balls,
+                                      hl_camera_intrinsics_count(&run->camera), &light) == HL_OK;
   for (int b = 0; b < run->n_balls && good; b++)
-    good = recall_seen(source, json_array_get(balls, (size_t)b), &frame.seen[b]);
-  free(frame.light.file);
-  free(frame.light.label);
-  frame.light.file = frame.light.label = NULL;
+    good = recall_seen(source, json_array_get(balls, (size_t)b), &seen[b]);
+  free(light.file);
+  free(light.label);
+  light.file = light.label = NULL;
   json_decref(root);
-  if (good)
-    *out = frame;
+  if (good) {
+    out->light = light;
+    memcpy(out->seen, seen, (size_t)run->n_balls * sizeof *seen);
+  } else {
+    hl_note_list_free(&light.reasons);
+  }
   return good;
 }

@@ -8,21 +8,23 @@
 #include "halflight/surface.h"
 #include "light_pose.h"
 
-enum { HL_REPLAY_KNOTS = 7, HL_REPLAY_KEY = 65 };
+enum { HL_REPLAY_KNOTS = 7, HL_REPLAY_PAIRS = 28, HL_REPLAY_KEY = 65 };
 
 /* One ball in one frame. */
 typedef struct hl_replay_seen {
   bool outlined; /* its own outline was read */
   bool moved;    /* it disagrees with the common pose, and the frame's own was used */
+  bool scored;   /* `pose` holds what the shading says */
   double moved_px;
-  bool scored; /* `pose` holds what the shading says */
   hl_light_pose pose;
   double profile[3][HL_REPLAY_KNOTS]; /* reflected radiance at fixed angles; 0 = not shown */
+  /* upper triangles, row by row: covariance of what this frame's pixels leave open of it */
+  double open[3][HL_REPLAY_PAIRS];
 } hl_replay_seen;
 
 typedef struct hl_replay_frame {
-  hl_rig_light light; /* of the best ball; without texts */
-  hl_replay_seen seen[HL_BALLS_MAX];
+  hl_rig_light light;   /* of the best ball; without texts */
+  hl_replay_seen *seen; /* shape (n_balls), within the run's `seen` */
 } hl_replay_frame;
 
 /* A ball's pose from the outlines of several frames. */
@@ -30,8 +32,11 @@ typedef struct hl_replay_ball {
   hl_sphere pose;
   bool given;     /* by a file of the session */
   int n_outlines; /* that agree */
+  double blur_px; /* median of the outlines; 0: not known */
   double excess;  /* their scatter over what they state, variance, at least 1 */
   hl_surface surface;
+  hl_light_settings light; /* with the reflectance that its frames have */
+  bool narrowed;           /* `light` tries less than the settings do */
 } hl_replay_ball;
 
 typedef struct hl_replay_run {
@@ -43,6 +48,7 @@ typedef struct hl_replay_run {
   int n_balls;
   hl_replay_ball ball[HL_BALLS_MAX];
   hl_replay_frame *frame; /* shape (session->n) */
+  hl_replay_seen *seen;   /* shape (session->n, n_balls) */
   char *conditions;       /* text of all that a frame's result depends on but the frame */
   int jobs;
   pthread_mutex_t guard; /* of what follows, and of the watch */
@@ -68,6 +74,11 @@ void hl_replay_job_free(hl_replay_job *job);
  * `reused` says whether an earlier result was found. */
 hl_status hl_replay_one(hl_ctx *ctx, hl_replay_job *job, hl_replay_run *run, int i, bool *reused);
 
+/* replay_kind.c: which terms the frames need, from a few of them; fills each ball's `light`. */
+hl_status hl_replay_kind(hl_ctx *ctx, hl_replay_run *run);
+/* Says why it was not tried where a note says that it was not asked for. */
+void hl_replay_explain(const hl_replay_run *run, hl_light *light);
+
 /* replay_record.c: a frame's result on the disk. */
 hl_status hl_replay_conditions(hl_ctx *ctx, hl_replay_run *run);
 hl_status hl_replay_folder(hl_ctx *ctx, const hl_replay_run *run);
@@ -84,6 +95,9 @@ void hl_replay_add_parts(const hl_lights *lights, hl_rig_light *light);
 
 /* replay_intensity.c */
 void hl_replay_profile(const hl_light *light, double profile[3][HL_REPLAY_KNOTS]);
-void hl_replay_intensity(const hl_replay_run *run, hl_lights *out);
+/* After hl_light_pose_score. */
+void hl_replay_open(const hl_light *light, const hl_light_work *work,
+                    const hl_light_pose_work *pose, double open[3][HL_REPLAY_PAIRS]);
+hl_status hl_replay_intensity(hl_ctx *ctx, const hl_replay_run *run, hl_lights *out);
 
 #endif

@@ -59,8 +59,9 @@ static json_t *locked_of(const hl_session_locked *l)
   return NULL;
 }
 
-static json_t *frame_of(const hl_session_frame *f)
+static json_t *frame_of(const void *user, int i)
 {
+  const hl_session_frame *f = &((const hl_session *)user)->frame[i];
   json_t *object = json_object();
   if (set(object, "file", json_string(f->file)) && set(object, "label", json_string(f->label)) &&
       set(object, "timestamp_ns", json_integer((json_int_t)f->timestamp_ns)) &&
@@ -77,29 +78,25 @@ static json_t *frame_of(const hl_session_frame *f)
 static bool set_lists(json_t *root, const hl_session *s)
 {
   json_t *balls = json_array();
-  json_t *frames = json_array();
   json_t *faults = json_array();
-  bool good = balls && frames && faults;
+  bool good = balls && faults;
   for (int i = 1; i < s->n_balls && good; i++) {
     json_t *ball = json_object();
     good = set_ball(ball, &s->ball[i]) && json_array_append(balls, ball) == 0;
     json_decref(ball);
   }
-  for (int i = 0; i < s->n && good; i++)
-    good = json_array_append_new(frames, frame_of(&s->frame[i])) == 0;
   for (int i = 0; i < s->n_faults && good; i++)
     good = json_array_append_new(faults, json_pack("{s:i,s:s}", "frame", s->fault[i].frame, "kind",
                                                    hl_session_fault_text(s->fault[i].kind))) == 0;
   good = good && (s->n_balls < 2 || json_object_set(root, "balls", balls) == 0) &&
-         json_object_set(root, "frames", frames) == 0 &&
+         set(root, "frames", json_null()) &&
          (s->n_faults < 1 || json_object_set(root, "faults", faults) == 0);
   json_decref(balls);
-  json_decref(frames);
   json_decref(faults);
   return good;
 }
 
-/* NULL without memory. */
+/* NULL without memory. All but the frames, of which there may be thousands, and a capture writes them anew for each. */
 static json_t *document(const hl_session *s)
 {
   const hl_session_locked *l = &s->locked;
@@ -118,22 +115,24 @@ static json_t *document(const hl_session *s)
   return NULL;
 }
 
+static hl_json_long frame_list(const hl_session *s)
+{
+  return (hl_json_long){"frames", s->n, frame_of, s};
+}
+
 hl_status hl_session_json(hl_ctx *ctx, const hl_session *session, char **out)
 {
-  return hl_json_text(ctx, document(session), out);
+  const hl_json_long list = frame_list(session);
+  return hl_json_long_text(ctx, document(session), &list, out);
 }
 
 hl_status hl_session_write(hl_ctx *ctx, const hl_session *session)
 {
-  char *text = NULL;
-  char *path = NULL;
-  hl_status st = hl_session_json(ctx, session, &text);
-  if (st == HL_OK) {
-    path = hl_session_join(session->folder, "session.json");
-    st = path ? hl_file_write(ctx, path, text, strlen(text))
-              : hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory for a path", session->folder);
-  }
+  const hl_json_long list = frame_list(session);
+  char *path = hl_session_join(session->folder, "session.json");
+  const hl_status st =
+      path ? hl_json_long_write(ctx, document(session), &list, path)
+           : hl_fail(ctx, HL_ERR_MEMORY, "%s: no memory for a path", session->folder);
   free(path);
-  free(text);
   return st;
 }

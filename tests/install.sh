@@ -1,5 +1,5 @@
 # install.sh BUILD CC: the installed library is found, built against and run, through CMake's package
-# and through pkg-config.
+# and through pkg-config; the examples of src/examples too.
 set -eu
 build=$1
 cc=$2
@@ -27,10 +27,28 @@ check() {
   test "${got#* }" = "$wanted"
 }
 
+frames=$PWD/fixtures/core-hdr
+# examples FOLDER: each does what it says, of two captures the second finds all there
+examples() {
+  "$1/estimate_memory" | tee "$work/said"
+  grep -q ', trusted$' "$work/said"
+  rm -rf "$work/session"
+  test "$("$1/capture_source" "$work/session")" = "4 of 4 frames from invented, 4 of them now"
+  test "$("$1/capture_source" "$work/session")" = "4 of 4 frames from invented, 0 of them now"
+  "$1/relight_photo" "$frames/frame.pfm" "$frames/camera.json" "$frames/sphere.json" -1 0 -1 "$work/relit.pfm" \
+    | tee "$work/said"
+  awk '{ exit !($5 + 0 > 0 && $5 < 5) }' "$work/said" # per cent off the photo
+  test -s "$work/relit.pfm"
+}
+
 cmake -S "$here/consumer" -B "$work/cmake" -DCMAKE_PREFIX_PATH="$work/root" \
   -DCMAKE_C_COMPILER="$cc" > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 cmake --build "$work/cmake" > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 check "$work/cmake/consumer"
+cmake -S "$here/../src/examples" -B "$work/examples" -DCMAKE_PREFIX_PATH="$work/root" \
+  -DCMAKE_C_COMPILER="$cc" > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+cmake --build "$work/examples" > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+examples "$work/examples"
 
 pc=$(find "$work/root" -name halflight.pc)
 export PKG_CONFIG_PATH="$(dirname "$pc")${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH}"
@@ -43,5 +61,12 @@ fi
 "$cc" -std=c11 -o "$work/consumer" "$here/consumer/main.c" \
   $(pkg-config $static --cflags --libs halflight) -lm
 check "$work/consumer"
+mkdir "$work/plain"
+for name in estimate_memory capture_source relight_photo; do
+  # shellcheck disable=SC2046,SC2086
+  "$cc" -std=c11 -Wall -Wextra -Wshadow -Wconversion -Werror -o "$work/plain/$name" "$here/../src/examples/$name.c" \
+    $(pkg-config $static --cflags --libs halflight) -lm
+done
+examples "$work/plain"
 
 "$work/root/bin/halflight" info > /dev/null

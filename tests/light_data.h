@@ -17,7 +17,7 @@ static inline lit_data lit_gather(const lit_scene *s, test_random *random)
   lit_data d = {.surface = lit_surface(s)};
   d.frame = lit_frame(s, &d.surface, random);
   if (hl_light_work_new(NULL, d.surface.n, s->channels, &d.work) != HL_OK ||
-      hl_light_gather(NULL, d.work, &d.frame, &d.surface) != HL_OK)
+      hl_light_gather(NULL, d.work, &d.frame, &d.surface, 0) != HL_OK)
     abort();
   hl_light_weigh(&d.work->all, noise, NULL);
   return d;

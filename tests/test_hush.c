@@ -48,10 +48,39 @@ static void test_held_back(void **state)
   free(text);
 }
 
+static void test_shared(void **state)
+{
+  char path[TEST_PATH_MAX];
+  char line[64] = "?";
+  size_t n;
+  path_in(state, "shared.txt", path);
+  const int kept = redirect(path);
+  hl_hush hush;
+  fputs("before\n", stderr);
+  hl_hush_share();
+  fputs("one\n", stderr);
+  hl_hush_share();
+  hl_hush_leave();
+  fputs("still one\n", stderr);
+  hl_hush_leave();
+  fputs("between\n", stderr);
+  hl_hush_begin(&hush);
+  fputs("heard\n", stderr);
+  hl_hush_end(&hush, line, sizeof line);
+  fflush(stderr);
+  dup2(kept, STDERR_FILENO);
+  close(kept);
+  char *text = get_file(path, &n);
+  assert_string_equal(text, "before\nbetween\n");
+  assert_string_equal(line, "heard");
+  free(text);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_held_back),
+      cmocka_unit_test(test_shared),
   };
   return cmocka_run_group_tests(tests, folder_new, folder_free);
 }

@@ -25,9 +25,9 @@ static void test_version_has_three_numbers(void **state)
 static void test_features_are_described(void **state)
 {
   (void)state;
-  const char *const names[] = {"jansson", "libyaml",  "cminpack", "OpenMP",
-                               "OpenCV",  "AprilTag", "assimp",   "libcamera"};
-  for (int i = 0; i < 8; i++) {
+  const char *const names[] = {"jansson", "libyaml",  "libmd",  "cminpack", "OpenMP",
+                               "OpenCV",  "AprilTag", "assimp", "libcamera"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
     const hl_feature *f = feature(names[i]);
     assert_non_null(f);
     assert_true(f->gives[0] && f->option);
@@ -37,6 +37,7 @@ static void test_features_are_described(void **state)
   assert_string_equal(feature("OpenCV")->option, "-DHL_WITH_OPENCV=ON");
   assert_non_null(feature("jansson")->version);
   assert_non_null(feature("libyaml")->version);
+  assert_non_null(feature("libmd")->version);
 }
 
 static void test_versions_follow_the_build(void **state)

@@ -186,7 +186,10 @@ static void test_a_budget_says_what_it_left_out(void **state)
   const hl_notes *left = &hurried.left_out;
   assert_true(hurried.n_pixels <= 400);
   assert_non_null(strstr(why_of(left, "pixels"), ", budget 0.01 ms"));
-  assert_string_equal(why_of(left, "bends of the other lobe"), "not tried, budget 0.01 ms");
+  assert_string_equal(why_of(left, "masking and bent body"), "not tried, budget 0.01 ms");
+  assert_non_null(strstr(why_of(left, "budget"), "not held: "));
+  assert_string_equal(why_of(left, "bound"), "not derived for want of time");
+  assert_true(hurried.efficiency == 0);
   assert_string_equal(why_of(left, "backscatter"), "not tried, budget 0.01 ms");
   assert_string_equal(why_of(left, "ambient"), "not tried, budget 0.01 ms");
   assert_near(lit_error_deg(&s, &hurried), 0, 1.5 * hurried.ellipse_95_rad[0] / LIT_DEG);
@@ -197,8 +200,51 @@ static void test_a_budget_says_what_it_left_out(void **state)
   const hl_light unhurried = lit_light_of(&one, &settings);
   assert_string_equal(why_of(&easy.left_out, "backscatter"), "not asked for");
   assert_string_equal(why_of(&easy.left_out, "pixels"), "");
+  assert_string_equal(why_of(&easy.left_out, "budget"), "");
   assert_memory_equal(easy.direction, unhurried.direction, sizeof easy.direction);
   lit_shot_free(&one);
+}
+
+/* Runs of three neighbours and the brightest, no more than asked for, and the same from any order. */
+static void test_a_glance_is_runs_and_the_brightest(void **state)
+{
+  (void)state;
+  enum { MOST = 900 };
+  const lit_scene s = large();
+  test_random random = {6};
+  lit_data d = lit_gather(&s, &random);
+  hl_light_work *work = d.work;
+  int brightest = 0, alone = 0, *index = calloc(MOST, sizeof *index);
+  if (!index)
+    abort();
+  for (int i = 1; i < d.surface.n; i++)
+    if (d.frame.radiance[d.surface.pixel[i]] > d.frame.radiance[d.surface.pixel[brightest]])
+      brightest = i;
+  assert_int_equal(hl_light_gather(NULL, work, &d.frame, &d.surface, MOST), HL_OK);
+  const int n = work->all.n;
+  assert_in_range(n, MOST * 2 / 3 - 3, MOST);
+  bool found = false;
+  for (int i = 0; i < n; i++) {
+    const bool after = i > 0 && work->index[i - 1] == work->index[i] - 1;
+    const bool before = i + 1 < n && work->index[i + 1] == work->index[i] + 1;
+    alone += !after && !before;
+    found = found || work->index[i] == brightest;
+    assert_true(i == 0 || work->index[i] > work->index[i - 1]);
+    index[i] = d.surface.pixel[work->index[i]];
+  }
+  assert_true(found);
+  assert_true(alone < n / 10);
+  for (int i = 0, j = d.surface.n - 1; i < j; i++, j--) {
+    const int pixel = d.surface.pixel[i];
+    d.surface.pixel[i] = d.surface.pixel[j];
+    d.surface.pixel[j] = pixel;
+  }
+  assert_int_equal(hl_light_gather(NULL, work, &d.frame, &d.surface, MOST), HL_OK);
+  assert_int_equal(work->all.n, n);
+  for (int i = 0; i < n; i++)
+    assert_int_equal(d.surface.pixel[work->index[i]], index[i]);
+  free(index);
+  lit_data_free(&d);
 }
 
 static void refused(const hl_light_settings *settings, const char *part)
@@ -229,6 +275,7 @@ int main(void)
       cmocka_unit_test(test_cells_are_their_pixels_means),
       cmocka_unit_test(test_the_cost_means_the_same),
       cmocka_unit_test(test_a_budget_says_what_it_left_out),
+      cmocka_unit_test(test_a_glance_is_runs_and_the_brightest),
       cmocka_unit_test(test_settings_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -54,7 +54,7 @@ static void test_every_pixel_comes_with_its_geometry(void **state)
 {
   (void)state;
   small *s = small_of(40, 3);
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   const hl_light_data *all = &s->work->all, *grey = &s->work->grey;
   const double level = s->work->brightness.level;
   assert_int_equal(all->n, 40);
@@ -81,7 +81,7 @@ static void test_a_pixel_with_an_unusable_channel_is_left_out(void **state)
   s->state[3 * 5 + 1] = HL_SAMPLE_UNUSABLE;  /* entry 2 */
   s->state[3 * 79 + 0] = HL_SAMPLE_UNUSABLE; /* entry 39 */
   s->state[3 * 2] = HL_SAMPLE_UNUSABLE;      /* beside the surface */
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   assert_int_equal(s->work->all.n, 38);
   assert_int_equal(s->work->grey.n, 38);
   for (int p = 0; p < 38; p++) {
@@ -98,7 +98,7 @@ static void test_clipped_channels_are_marked_one_by_one(void **state)
   s->state[3 * 1 + 2] = HL_SAMPLE_CLIPPED;
   s->state[3 * 3 + 0] = HL_SAMPLE_CLIPPED;
   s->state[3 * 3 + 1] = HL_SAMPLE_CLIPPED;
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   assert_int_equal(s->work->all.clipped[0], 4);
   assert_int_equal(s->work->all.clipped[1], 3);
   assert_int_equal(s->work->all.clipped[2], 0);
@@ -107,7 +107,7 @@ static void test_clipped_channels_are_marked_one_by_one(void **state)
   assert_int_equal(s->work->brightness.clipped, 2);
   /* and a frame without leaves no mark of the last */
   memset(s->state, 0, sizeof s->state);
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   assert_int_equal(s->work->all.clipped[0], 0);
   assert_int_equal(s->work->brightness.clipped, 0);
   small_free(s);
@@ -118,7 +118,7 @@ static void test_level_is_the_median_of_the_lit(void **state)
 {
   (void)state;
   small *s = small_of(40, 1);
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   const hl_light_brightness *b = &s->work->brightness;
   assert_near(b->level, 41, 2);
   assert_near(b->p50 * b->level, 41, 2);
@@ -128,7 +128,7 @@ static void test_level_is_the_median_of_the_lit(void **state)
   /* darkness does not count: with half of the pixels in shadow the level is the lit half's */
   for (int i = 0; i < 20; i++)
     s->radiance[s->pixel[i]] = 0;
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   assert_int_equal(b->lit, 20);
   assert_near(b->level, 61, 2);
   for (int i = 1; i < 40; i++)
@@ -142,11 +142,11 @@ static void test_exposure_changes_no_bit(void **state)
   (void)state;
   small *one = small_of(40, 3), *other = small_of(40, 3);
   static const int powers[] = {-100, -3, 7, 100};
-  assert_int_equal(hl_light_gather(NULL, one->work, &one->frame, &one->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, one->work, &one->frame, &one->surface, 0), HL_OK);
   for (int p = 0; p < 4; p++) {
     for (int i = 0; i < 300; i++)
       other->radiance[i] = ldexpf(one->radiance[i], powers[p]);
-    assert_int_equal(hl_light_gather(NULL, other->work, &other->frame, &other->surface), HL_OK);
+    assert_int_equal(hl_light_gather(NULL, other->work, &other->frame, &other->surface, 0), HL_OK);
     for (int c = 0; c < 3; c++)
       assert_memory_equal(one->work->all.value[c], other->work->all.value[c], 40 * sizeof(double));
     assert_memory_equal(one->work->grey.value[0], other->work->grey.value[0], 40 * sizeof(double));
@@ -164,7 +164,7 @@ static void test_black_and_below_have_no_level(void **state)
     small *s = small_of(40, 1);
     for (int i = 0; i < 100; i++)
       s->radiance[i] = dark[k];
-    assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+    assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
     assert_false(s->work->brightness.level > 0);
     small_free(s);
   }
@@ -175,7 +175,7 @@ static void test_no_usable_pixel_is_no_fault_here(void **state)
   (void)state;
   small *s = small_of(40, 1);
   memset(s->state, HL_SAMPLE_UNUSABLE, sizeof s->state);
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   assert_int_equal(s->work->all.n, 0);
   assert_near(s->work->brightness.level, 0, 0);
   small_free(s);
@@ -189,7 +189,7 @@ static void test_weights_are_the_inverse_variance(void **state)
   const hl_light_noise noise = {0.03, 0.2};
   uint8_t outlier[40] = {0};
   outlier[7] = 1;
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_OK);
   hl_light_weigh(&s->work->all, noise, NULL);
   for (int c = 0; c < 3; c++)
     for (int i = 0; i < 40; i++) {
@@ -210,22 +210,22 @@ static void test_what_does_not_belong_together_is_refused(void **state)
   hl_ctx ctx = {0};
   small *s = small_of(40, 3);
   s->frame.width = 11;
-  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface), HL_ERR_ARG);
+  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface, 0), HL_ERR_ARG);
   assert_says(ctx.msg, "frame is 11 x 10, but the surface is of a frame of 10 x 10");
   s->frame.width = 10;
   s->surface.height = 9;
-  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface), HL_ERR_ARG);
+  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface, 0), HL_ERR_ARG);
   assert_says(ctx.msg, "10 x 9");
   s->surface.height = 10;
   s->frame.channels = 1;
-  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface), HL_ERR_ARG);
+  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface, 0), HL_ERR_ARG);
   assert_says(ctx.msg, "frame has 1 channel");
   assert_says(ctx.msg, "3");
   s->frame.channels = 3;
   s->surface.n = 41;
-  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface), HL_ERR_ARG);
+  assert_int_equal(hl_light_gather(&ctx, s->work, &s->frame, &s->surface, 0), HL_ERR_ARG);
   assert_says(ctx.msg, "surface has 41 pixels, but the workspace is for 40");
-  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface), HL_ERR_ARG);
+  assert_int_equal(hl_light_gather(NULL, s->work, &s->frame, &s->surface, 0), HL_ERR_ARG);
   small_free(s);
 }
 

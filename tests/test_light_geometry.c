@@ -46,7 +46,7 @@ static void response_of(hl_light_work *work, const lit_scene *s, const hl_frame 
   hl_light_spread spread;
   double start[2][3];
   surface.camera.has_covariance = true;
-  assert_int_equal(hl_light_gather(NULL, work, frame, &surface), HL_OK);
+  assert_int_equal(hl_light_gather(NULL, work, frame, &surface, 0), HL_OK);
   memcpy(start[0], s->light, sizeof start[0]);
   memcpy(start[1], s->light, sizeof start[1]);
   assert_int_equal(

@@ -17,7 +17,7 @@ static void fill_light(hl_rig_light *l, int i, test_random *r)
   l->frame = i;
   l->exposure_us = 1000 + i;
   if (i == 2) {
-    hl_notes_add(&l->reasons, "frame", "it is black");
+    assert_true(hl_note_list_add(&l->reasons, "frame", "it is black"));
     return;
   }
   l->found = l->trusted = true;
@@ -160,14 +160,132 @@ static void test_csv(void **state)
     quoted ^= *c == '"';
     commas += *c == ',' && !quoted;
     if (*c == '\n') {
-      assert_int_equal(commas, 21);
+      assert_int_equal(commas, 23);
       commas = 0;
       rows++;
     }
   }
   assert_int_equal(rows, 4);
   assert_non_null(strstr(text, "1,frame 1.png,\"a,\"\"b\"\"\",yes,0,"));
-  assert_non_null(strstr(text, "2,frame 2.png,,no,0,,,,,,,,,,,,,,,,1002,\n"));
+  assert_non_null(strstr(text, "2,frame 2.png,,no,0,,,,,,,,,,,,,,,,1002,,,\n"));
+  assert_non_null(strstr(text, ",exposure_us,gain,off_dome,dome_off_deg\n"));
+  free(text);
+  hl_lights_free(&a);
+}
+
+/* Fifteen lights of a ring about z, one of them 5 degrees nearer to it, one not found. */
+static hl_lights ring(void)
+{
+  hl_lights a;
+  memset(&a, 0, sizeof a);
+  a.camera = (hl_camera){
+      .width = 640, .height = 480, .fx = 800, .fy = 810, .cx = 320, .cy = 240, .n_distortion = 5};
+  a.n_balls = 1;
+  a.ball[0] = (hl_sphere){.center_m = {0, 0, 1}, .radius_m = 0.05};
+  a.n = 16;
+  a.light = calloc(16, sizeof *a.light);
+  assert_non_null(a.light);
+  for (int i = 0; i < a.n; i++) {
+    hl_rig_light *l = &a.light[i];
+    test_random r = {3};
+    fill_light(l, i, &r);
+    l->near = false;
+    const double angle = (i == 9 ? 40 : 45) / 57.29577951308232, t = 0.4 * i;
+    const double d[3] = {sin(angle) * cos(t), sin(angle) * sin(t), -cos(angle)};
+    memcpy(l->direction, d, sizeof d);
+    hl_tangent_basis(l->direction, l->tangent_basis[0], l->tangent_basis[1]);
+  }
+  return a;
+}
+
+static void test_dome_round_trip(void **state)
+{
+  char path[TEST_PATH_MAX];
+  path_in(state, "lights.json", path);
+  hl_lights a = ring(), b;
+  assert_int_equal(hl_lights_find_dome(NULL, &a), HL_OK);
+  assert_int_equal(a.dome.shape, HL_DOME_RINGS);
+  assert_int_equal(a.dome.n, 15);
+  for (int i = 0; i < a.n; i++)
+    assert_int_equal(a.light[i].off_dome, i == 9);
+  assert_near(a.light[9].dome_off, 5 / 57.29577951308232, 1e-6);
+  assert_int_equal(hl_lights_write(NULL, path, &a), HL_OK);
+  hl_ctx ctx = {0};
+  if (hl_lights_read(&ctx, path, &b) != HL_OK)
+    fail_msg("%s", ctx.msg);
+  char *one = NULL, *two = NULL;
+  assert_int_equal(hl_lights_json(NULL, &a, &one), HL_OK);
+  assert_int_equal(hl_lights_json(NULL, &b, &two), HL_OK);
+  assert_string_equal(one, two);
+  assert_true(b.light[9].off_dome);
+  assert_memory_equal(&a.dome.fit[HL_DOME_RINGS].axis, &b.dome.fit[HL_DOME_RINGS].axis,
+                      3 * sizeof(double));
+  assert_int_equal(hl_lights_csv_write(NULL, path, &b), HL_OK);
+  size_t n;
+  char *table = get_file(path, &n);
+  assert_non_null(strstr(table, ",yes,5\n"));
+  free(table);
+  free(one);
+  free(two);
+  hl_lights_free(&a);
+  hl_lights_free(&b);
+}
+
+/* The near lights of a rig are fitted by where they are: on a sphere about a point that is not the ball. */
+static void test_dome_of_positions(void **state)
+{
+  (void)state;
+  hl_lights a = ring();
+  test_random r = {4};
+  for (int i = 0; i < a.n; i++) {
+    hl_rig_light *l = &a.light[i];
+    double d[3] = {random_normal(&r), random_normal(&r), -fabs(random_normal(&r))};
+    const double center[3] = {0.1, 0, 0.9};
+    hl_unit(d, d);
+    l->near = true;
+    hl_add_scaled(center, i == 5 ? 0.6 : 0.7, d, l->position_m);
+    for (int k = 0; k < 3; k++)
+      l->position_covariance_m2[k][k] = 1e-6;
+  }
+  assert_int_equal(hl_lights_find_dome(NULL, &a), HL_OK);
+  assert_true(a.dome.positions);
+  assert_int_equal(a.dome.shape, HL_DOME_SPHERE);
+  assert_near(a.dome.fit[HL_DOME_SPHERE].radius_m, 0.7, 1e-6);
+  for (int i = 0; i < a.n; i++)
+    assert_int_equal(a.light[i].off_dome, i == 5);
+  assert_near(a.light[5].dome_off, 0.1, 1e-6);
+  hl_lights_free(&a);
+}
+
+static void test_dome_refused(void **state)
+{
+  char path[TEST_PATH_MAX];
+  path_in(state, "bad.json", path);
+  hl_lights a = ring(), b;
+  char *text = NULL;
+  assert_int_equal(hl_lights_find_dome(NULL, &a), HL_OK);
+  assert_int_equal(hl_lights_json(NULL, &a, &text), HL_OK);
+  const struct {
+    const char *from, *to, *part;
+  } all[] = {
+      {"\"shape\": \"rings\"", "\"shape\": \"torus\"", "dome: shape = \"torus\""},
+      {"\"shape\": \"rings\"", "\"shape\": \"sphere\"", "dome: shape = \"sphere\" is not among"},
+      {"\"light\": 9", "\"light\": 99", "light"},
+      {"\"distance\"", "\"distances\"", "dome: distance and outliers are no lists for 16 lights"},
+      {"\"half_angle_rad\"", "\"half_angle\"", "dome: half_angle_rad is no list of 1 to 8"},
+  };
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+    hl_ctx ctx = {0};
+    char *bad = malloc(strlen(text) + 32);
+    char *at = strstr(text, all[i].from);
+    assert_non_null(bad);
+    assert_non_null(at);
+    sprintf(bad, "%.*s%s%s", (int)(at - text), text, all[i].to, at + strlen(all[i].from));
+    put_file(path, bad, strlen(bad));
+    free(bad);
+    assert_int_equal(hl_lights_read(&ctx, path, &b), HL_ERR_FORMAT);
+    assert_says(ctx.msg, all[i].part);
+  }
   free(text);
   hl_lights_free(&a);
 }
@@ -195,6 +313,9 @@ int main(void)
       cmocka_unit_test(test_json_round_trip),
       cmocka_unit_test(test_refusals),
       cmocka_unit_test(test_csv),
+      cmocka_unit_test(test_dome_round_trip),
+      cmocka_unit_test(test_dome_of_positions),
+      cmocka_unit_test(test_dome_refused),
       cmocka_unit_test(test_lp_of_those_found),
   };
   return cmocka_run_group_tests(tests, folder_new, folder_free);

@@ -269,6 +269,29 @@ static hl_status read_lights(hl_ctx *ctx, const char *path)
   return st;
 }
 
+static hl_status import_lights(hl_ctx *ctx, const char *path)
+{
+  hl_lights out;
+  const hl_status st = hl_lights_import(ctx, path, &out);
+  if (st == HL_OK)
+    hl_lights_free(&out);
+  return st;
+}
+
+static hl_status convert_lights(hl_ctx *ctx, const char *path)
+{
+  (void)path;
+  hl_rig_light light;
+  const hl_lights lights = document_lights(&light);
+  hl_status st = HL_OK;
+  for (int format = 0; st == HL_OK && hl_lights_format_name(format); format++) {
+    char *text = NULL;
+    st = hl_lights_text(ctx, &lights, (hl_lights_format)format, &text);
+    free(text);
+  }
+  return st;
+}
+
 static hl_status read_frame(hl_ctx *ctx, const char *path)
 {
   hl_frame out;
@@ -336,6 +359,12 @@ static void test_what_is_read(void **state)
       {"sight", read_sight, NULL, "light.json", 0},
       {"fit", read_fit, NULL, "fit.json", 0},
       {"lights", read_lights, NULL, "lights.json", 0},
+      {"lights imported", import_lights, NULL, "lights.json", 0},
+      {"one light imported", import_lights, NULL, "light.json", 0},
+      {"lp imported", import_lights, NULL, "rig.lp", 0},
+      {"dome imported", import_lights, NULL, "rig.dome", 0},
+      {"AliceVision's imported", import_lights, NULL, "rig.json", 0},
+      {"lights texts", convert_lights, NULL, NULL, 0},
       {"frame", read_frame, NULL, "frame.pfm", 0},
       {"samples", read_samples, NULL, "samples.csv", 0},
       {"corners", read_corners, NULL, "corners.vnl", 0},
@@ -348,6 +377,16 @@ static void test_what_is_read(void **state)
     const hl_camera camera = document_camera();
     char *text = NULL;
     assert_int_equal(hl_camera_text(NULL, &camera, (hl_camera_format)format, &text), HL_OK);
+    snprintf(path, sizeof path, "%s/%s", folder, names[format]);
+    put_text(path, text);
+    free(text);
+  }
+  for (int format = HL_LIGHTS_LP; format <= HL_LIGHTS_ALICEVISION; format++) {
+    static const char *const names[] = {"rig.lp", "rig.dome", "rig.json"};
+    hl_rig_light light;
+    const hl_lights lights = document_lights(&light);
+    char *text = NULL;
+    assert_int_equal(hl_lights_text(NULL, &lights, (hl_lights_format)format, &text), HL_OK);
     snprintf(path, sizeof path, "%s/%s", folder, names[format]);
     put_text(path, text);
     free(text);

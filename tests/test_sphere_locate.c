@@ -423,6 +423,30 @@ static void test_errors_follow_the_noise_and_are_stated(void **state)
   assert_near(stated_high, 1.05, 0.4);
 }
 
+/* With the blur given, the same answer near the ball and a full reading where it moved. */
+static void test_relocate_with_the_blur_known(void **state)
+{
+  (void)state;
+  static const double shift_px[] = {0, 0.2, 2.0};
+  for (int i = 0; i < 3; i++) {
+    const ball_scene s = scene_of(118.7, 101.3, 50);
+    hl_frame frame = scene_frame(&s);
+    hl_sphere near = s.ball, found, quick;
+    hl_sphere_fit fit;
+    hl_sphere_settings settings = hl_sphere_defaults();
+    double center, radius;
+    near.center_m[0] += shift_px[i] * near.center_m[2] / s.camera.fx;
+    assert_int_equal(hl_sphere_relocate(NULL, &frame, &s.camera, &near, NULL, &found, &fit), HL_OK);
+    settings.blur_px = fit.blur_px > 0.02 ? fit.blur_px : 0.02;
+    assert_int_equal(hl_sphere_relocate(NULL, &frame, &s.camera, &near, &settings, &quick, &fit),
+                     HL_OK);
+    scene_error(&s, &quick, &center, &radius);
+    assert_true(center < 0.04 && radius < 0.04);
+    assert_true(hl_angle(found.center_m, quick.center_m) * s.camera.fx < 0.02);
+    hl_frame_free(&frame);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -441,6 +465,7 @@ int main(void)
       cmocka_unit_test(test_impossible_ball),
       cmocka_unit_test(test_largest_floats),
       cmocka_unit_test(test_settings),
+      cmocka_unit_test(test_relocate_with_the_blur_known),
       cmocka_unit_test(test_same_frame_same_bits),
       cmocka_unit_test(test_errors_follow_the_noise_and_are_stated),
   };

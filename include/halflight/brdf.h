@@ -15,12 +15,15 @@
 extern "C" {
 #endif
 
+/** How to tabulate a reflectance. */
 typedef struct hl_brdf_settings {
   double irradiance; /* E, of the light that was fitted under */
   double albedo;     /* 0: by E; else that of the brightest channel, light along the normal */
 } hl_brdf_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_brdf_settings hl_brdf_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_brdf_fields(void);
 
 /** What became of a fit. */

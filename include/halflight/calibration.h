@@ -49,6 +49,7 @@ typedef struct hl_view_pose {
   double by_intrinsics[HL_POSE_SIZE][HL_INTRINSICS_MAX]; /* G: how the pose follows the camera */
 } hl_view_pose;
 
+/** Which lens model to fit. */
 typedef enum hl_model_choice {
   HL_MODEL_AUTO, /* the smallest model that explains the corners */
   HL_MODEL_PINHOLE,
@@ -56,6 +57,7 @@ typedef enum hl_model_choice {
   HL_MODEL_FISHEYE
 } hl_model_choice;
 
+/** How to calibrate. */
 typedef struct hl_calibration_settings {
   hl_model_choice model;
   int min_views;         /* fewer are refused */
@@ -64,7 +66,9 @@ typedef struct hl_calibration_settings {
   double model_gain;     /* least cross-validated gain for a larger model */
 } hl_calibration_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_calibration_settings hl_calibration_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_calibration_fields(void);
 
 /** Owner of `view`; hl_calibration_free releases it. */
@@ -88,6 +92,7 @@ typedef struct hl_calibration {
                                                    and at the boards' mean distance, then others */
 } hl_calibration;
 
+/** Release what it holds and zero it; NULL is accepted. */
 HL_API void hl_calibration_free(hl_calibration *calibration);
 
 /**

@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/** How a ray becomes a pixel. */
 typedef enum hl_lens_model {
   HL_LENS_PINHOLE,  /* Brown-Conrady: k1 k2 p1 p2 k3 */
   HL_LENS_RATIONAL, /* k1 k2 p1 p2 k3 k4 k5 k6, OpenCV's rational model */
@@ -27,6 +28,7 @@ HL_API const char *hl_lens_name(int model);
 
 enum { HL_DISTORTION_MAX = 8, HL_INTRINSICS_MAX = 4 + HL_DISTORTION_MAX };
 
+/** A calibrated camera. */
 typedef struct hl_camera {
   hl_lens_model model;
   int n_distortion;
@@ -70,6 +72,7 @@ HL_API int hl_camera_intrinsics_count(const hl_camera *camera);
 
 /** The intrinsics as one vector (fx, fy, cx, cy, distortion...), and back; shape (count). */
 HL_API void hl_camera_intrinsics(const hl_camera *camera, double out[HL_INTRINSICS_MAX]);
+/** The reverse of hl_camera_intrinsics; the covariance stays as it is. */
 HL_API void hl_camera_set_intrinsics(hl_camera *camera, const double in[HL_INTRINSICS_MAX]);
 
 /**

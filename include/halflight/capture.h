@@ -28,6 +28,7 @@ enum {
   HL_LACKS_FOCUS = 16
 };
 
+/** A camera that a source found. */
 typedef struct hl_capture_camera {
   char id[256];    /* what --camera-id takes */
   char model[128]; /* "" = not stated */

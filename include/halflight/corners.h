@@ -40,6 +40,7 @@ typedef struct hl_corners {
 
 /** Begin an empty set. */
 HL_API hl_corners hl_corners_of(const hl_target *target);
+/** Release what it holds; the target stays. NULL is accepted. */
 HL_API void hl_corners_free(hl_corners *corners);
 
 /**

@@ -42,14 +42,18 @@ typedef struct hl_drift_cause {
   double sigma[HL_DISTORTION_MAX];  /* its standard deviation */
 } hl_drift_cause;
 
+/** When a difference counts as a drift. */
 typedef struct hl_drift_settings {
   double false_alarm; /* rate of false alarms of the whole comparison */
   double distance_m;  /* of the points whose projections are compared; 0 = directions */
 } hl_drift_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_drift_settings hl_drift_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_drift_fields(void);
 
+/** What moved between two states, and how sure that is. */
 typedef struct hl_drift {
   bool drifted;
   double significance; /* probability of so large a difference where nothing has changed */
@@ -108,7 +112,9 @@ typedef struct hl_board_pose {
  * @return HL_OK; HL_ERR_IO; HL_ERR_FORMAT (also a board behind the camera); HL_ERR_MEMORY
  */
 HL_API hl_status hl_board_pose_read(hl_ctx *ctx, const char *path, hl_board_pose *out);
+/** POSE.json as text; *out is the caller's, release it with free(). HL_ERR_MEMORY. */
 HL_API hl_status hl_board_pose_json(hl_ctx *ctx, const hl_board_pose *pose, char **out);
+/** Write POSE.json, whole or not at all. HL_ERR_IO; HL_ERR_MEMORY. */
 HL_API hl_status hl_board_pose_write(hl_ctx *ctx, const char *path, const hl_board_pose *pose);
 
 /**

@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/** How long the steps took. */
 typedef struct hl_timing {
   double read_ms, locate_ms, estimate_ms, export_ms;
 } hl_timing;
@@ -18,6 +19,7 @@ typedef struct hl_timing {
 HL_API hl_status hl_light_json(hl_ctx *ctx, const hl_light *light, const hl_timing *timing,
                                char **out);
 
+/** Write LIGHT.json, whole or not at all. HL_ERR_IO; HL_ERR_MEMORY. */
 HL_API hl_status hl_light_json_write(hl_ctx *ctx, const char *path, const hl_light *light,
                                      const hl_timing *timing);
 

@@ -21,6 +21,7 @@ extern "C" {
 
 enum { HL_TERMS_MAX = 8, HL_TERM_NAME_MAX = 32 };
 
+/** What is fitted. */
 typedef enum hl_fit_model {
   HL_FIT_RIDGE,            /* one curve along an unknown direction (Props. 1, 2) */
   HL_FIT_DICHROMATIC,      /* a linear part and one lobe (eq. 4; Props. 3, 5) */
@@ -30,7 +31,9 @@ typedef enum hl_fit_model {
   HL_FIT_BLINN_PHONG
 } hl_fit_model;
 
+/** In which domain the terms add up. */
 typedef enum hl_fit_domain { HL_DOMAIN_LINEAR, HL_DOMAIN_LOG } hl_fit_domain;
+/** What draws free curves through their points. */
 typedef enum hl_smoother { HL_SMOOTHER_SPLINE, HL_SMOOTHER_LOESS } hl_smoother;
 
 /** Compute-time choices; what is known of the scene is an argument of hl_fit_samples. */
@@ -47,11 +50,15 @@ typedef struct hl_fit_settings {
   int threads;          /* 0 = as many as the machine has; results do not depend on it */
 } hl_fit_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_fit_settings hl_fit_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_fit_fields(void);
 
+/** Whether a term is the linear one. */
 typedef enum hl_term_role { HL_TERM_LINEAR, HL_TERM_LOBE } hl_term_role;
 
+/** One term of a fit. */
 typedef struct hl_term {
   hl_term_role role;
   double direction[3];              /* unit, in the samples' frame, for the mean view */
@@ -76,6 +83,7 @@ typedef struct hl_fit_size {
   double cross_validated; /* unexplained share of the variance in samples left out; NaN: not done */
 } hl_fit_size;
 
+/** What a fit says: its terms, how well they explain the samples and what remains free. */
 typedef struct hl_fit {
   bool trusted; /* false: reasons say why; the numbers are the best that could be had */
   hl_notes reasons, used, left_out;

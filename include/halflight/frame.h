@@ -31,6 +31,7 @@ typedef enum hl_sample_state {
   HL_SAMPLE_UNUSABLE = 2 /* not a number, infinite, or masked out */
 } hl_sample_state;
 
+/** How stored values become linear. */
 typedef enum hl_transfer {
   HL_TRANSFER_AUTO, /* 8-bit files are sRGB, 16-bit and float files linear */
   HL_TRANSFER_LINEAR,
@@ -47,7 +48,9 @@ typedef struct hl_frame_settings {
                         integer sample is clipped from half a code below it */
 } hl_frame_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_frame_settings hl_frame_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_frame_fields(void);
 
 /** Owner of its two arrays; `hl_frame_free` releases them. Channels are interleaved. */
@@ -88,6 +91,7 @@ HL_API hl_status hl_frame_from_codes(hl_ctx *ctx, const void *codes, int width, 
                                      int channels, int bits, const hl_frame_settings *settings,
                                      hl_frame *out);
 
+/** Release what it holds and zero it; NULL is accepted. */
 HL_API void hl_frame_free(hl_frame *frame);
 
 /** Write channels 1 or 3 of float pixels, top row first, as little-endian PFM; whole or not at all.

@@ -8,6 +8,7 @@
 extern "C" {
 #endif
 
+/** A library that this build uses, or could. */
 typedef struct hl_feature {
   const char *name;    /* "OpenCV", ... */
   const char *version; /* of the library found at run time; NULL when not built in */

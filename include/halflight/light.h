@@ -29,6 +29,7 @@ typedef enum hl_light_part {
 
 enum { HL_CHANNELS_MAX = 3, HL_CURVE_POINTS = 121, HL_NOTES_MAX = 20, HL_NOTE_TEXT_MAX = 160 };
 
+/** The form of the specular lobe. */
 typedef enum hl_lobe { HL_LOBE_AUTO, HL_LOBE_PLAIN, HL_LOBE_FORESHORTENED } hl_lobe;
 
 /** Terms that a scene may need; each is tried, and kept only where the frame demands it. */
@@ -46,6 +47,7 @@ typedef enum hl_light_term {
 /** Name on the command line and in files: "ambient", "near", ...; NULL outside the list. */
 HL_API const char *hl_light_term_name(hl_light_term term);
 
+/** How to estimate. */
 typedef struct hl_light_settings {
   hl_lobe lobe;     /* auto keeps the one with the smaller residual */
   unsigned with;    /* bit t: term t is kept whatever it saves; HL_ERR_ARG for the response, which
@@ -59,9 +61,12 @@ typedef struct hl_light_settings {
   double model_error;    /* of the model, relative to the radiance: its weights while searching */
   double outlier_sigmas; /* pixels off by so many deviations are left out; 0 = never */
   double widest_deg;     /* largest angle from the view searched */
+  int intervals;         /* of the lobe's spline, at most; fewer are faster and bend less */
 } hl_light_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_light_settings hl_light_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_light_fields(void);
 
 /** One line of `used`, `left_out` or `reasons`. */
@@ -70,10 +75,17 @@ typedef struct hl_note {
   char why[HL_NOTE_TEXT_MAX];
 } hl_note;
 
+/** Lines of `used`, `left_out` or `reasons`. */
 typedef struct hl_notes {
   int n;
   hl_note note[HL_NOTES_MAX];
 } hl_notes;
+
+/** Notes that are kept in numbers: as many as there are, on the heap; zeroed it is empty. */
+typedef struct hl_note_list {
+  int n;
+  hl_note *note;
+} hl_note_list;
 
 /** A fitted curve: radiance (BRDF x cos x light), in the frame's linear units, against an angle. */
 typedef struct hl_curve {
@@ -85,8 +97,10 @@ typedef struct hl_curve {
                                         the mean n.v of the pixels, `mean_cos_view` */
 } hl_curve;
 
+/** What theory says of a fit: may another explain the same? */
 typedef enum hl_identifiability { HL_UNIQUE, HL_AMBIGUOUS, HL_NOT_GUARANTEED } hl_identifiability;
 
+/** What one frame said about its light. */
 typedef struct hl_light {
   bool trusted;     /* false: reasons say why; the numbers are the best that could be had */
   bool found;       /* false: no direction at all, nothing below but reasons is meaningful */
@@ -149,6 +163,7 @@ typedef struct hl_light_work hl_light_work;
  * @return HL_OK; HL_ERR_ARG; HL_ERR_MEMORY. The caller frees `out` with hl_light_work_free.
  */
 HL_API hl_status hl_light_work_new(hl_ctx *ctx, int max_pixels, int channels, hl_light_work **out);
+/** Release a workspace; NULL is accepted. */
 HL_API void hl_light_work_free(hl_light_work *work);
 
 /**

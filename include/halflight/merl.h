@@ -68,6 +68,7 @@ HL_API hl_merl_angles hl_merl_angles_of(const double n[3], const double s[3], co
 
 /** A table without a measured cell. HL_OK; HL_ERR_MEMORY. */
 HL_API hl_status hl_merl_new(hl_ctx *ctx, hl_merl *out);
+/** Release what it holds; NULL is accepted. */
 HL_API void hl_merl_free(hl_merl *merl);
 
 /**

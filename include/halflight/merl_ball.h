@@ -14,6 +14,7 @@
 extern "C" {
 #endif
 
+/** How to draw a ball of a measured material. */
 typedef struct hl_merl_ball_settings {
   hl_merl_lookup lookup;
   int oversample;       /* through a camera: so many by so many rays a pixel */
@@ -22,7 +23,9 @@ typedef struct hl_merl_ball_settings {
   double min_cos_view;  /* ... and n.v above this: at grazing angles tables are at their worst */
 } hl_merl_ball_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_merl_ball_settings hl_merl_ball_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_merl_ball_fields(void);
 
 /** Owner of its frame and samples; hl_merl_ball_free releases them. */
@@ -33,6 +36,7 @@ typedef struct hl_merl_ball {
   int n_unmeasured;   /* of them: unusable */
 } hl_merl_ball;
 
+/** Release frame and samples; NULL is accepted. */
 HL_API void hl_merl_ball_free(hl_merl_ball *ball);
 
 /**

@@ -16,6 +16,7 @@ extern "C" {
 
 enum { HL_POSE_SIZE = 6 };
 
+/** A rigid motion. */
 typedef struct hl_pose {
   double rotation_rad[3];
   double translation_m[3];

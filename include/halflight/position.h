@@ -36,6 +36,7 @@ typedef struct hl_sight_fit {
   double chi_squared; /* of its two residuals; of one left out, against the others' answer */
 } hl_sight_fit;
 
+/** Where a near light is, and how sure that is. */
 typedef struct hl_position {
   bool trusted; /* false: reasons say why */
   hl_notes reasons, left_out;

@@ -19,8 +19,9 @@
 extern "C" {
 #endif
 
+/** One term: a curve over the cosine from its axis. */
 typedef struct hl_lobe_term {
-  char name[HL_TERM_NAME_MAX]; /* "diffuse", "specular", the fit's, or "term1" .. */
+  char name[HL_TERM_NAME_MAX]; /* "diffuse", "specular", the fit's, or "term1" and on */
   double cs, cv;               /* axis (cs s + cv v)/|.|: light (1,0), half-angle (1,1) */
   bool fixed_axis;             /* the axis means nothing in s and v: `axis` stays where it is */
   double axis[3];              /* under the fit's light and view */
@@ -33,6 +34,7 @@ typedef struct hl_lobe_term {
   double value[HL_CHANNELS_MAX][HL_CURVE_POINTS];
 } hl_lobe_term;
 
+/** The sum of terms that explains a frame or samples. */
 typedef struct hl_reflectance {
   int channels;
   bool log_domain; /* the terms add up to log radiance */

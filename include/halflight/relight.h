@@ -51,6 +51,7 @@ typedef struct hl_mesh {
  *         HL_ERR_UNAVAILABLE in a build without assimp; HL_ERR_MEMORY
  */
 HL_API hl_status hl_mesh_read(hl_ctx *ctx, const char *path, hl_mesh *out);
+/** Release what it holds and zero it; NULL is accepted. */
 HL_API void hl_mesh_free(hl_mesh *mesh);
 
 /**

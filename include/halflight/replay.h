@@ -19,6 +19,7 @@
 extern "C" {
 #endif
 
+/** How to replay. */
 typedef struct hl_replay_settings {
   int jobs;            /* frames worked on at once; 0 = as many as the machine has */
   bool no_joint;       /* the pose of the outlines is kept */
@@ -27,7 +28,9 @@ typedef struct hl_replay_settings {
   hl_light_settings light;
 } hl_replay_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_replay_settings hl_replay_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_replay_fields(void);
 
 /** What a caller may watch and stop. Both are called by one thread at a time; NULL members are not. */

@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/** What of a rig may have moved. */
 typedef enum hl_rig_part {
   HL_RIG_MOUNT,      /* one rotation of all lights: the camera turned in the rig; deg */
   HL_RIG_INTRINSICS, /* rms of the focal lengths' changes; px */
@@ -26,6 +27,7 @@ typedef enum hl_rig_part {
   HL_RIG_PARTS
 } hl_rig_part;
 
+/** One thing that may have moved. */
 typedef struct hl_rig_cause {
   hl_rig_part part;
   const char *what;       /* "mount", "intrinsics", "sphere", "light" or "exposure"; static */
@@ -43,11 +45,14 @@ typedef struct hl_rig_cause {
   bool moved;
 } hl_rig_cause;
 
+/** When a difference counts as a drift. */
 typedef struct hl_rig_drift_settings {
   double false_alarm; /* rate of false alarms of the whole comparison */
 } hl_rig_drift_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_rig_drift_settings hl_rig_drift_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_rig_drift_fields(void);
 
 /** Owner of `cause`; hl_rig_drift_free releases. Names are borrowed: keep the reference. */
@@ -78,6 +83,7 @@ HL_API hl_status hl_drift_rig(hl_ctx *ctx, const hl_lights *reference, const hl_
 /** `drift --json`'s document; *out is the caller's, release it with free(). HL_ERR_MEMORY. */
 HL_API hl_status hl_rig_drift_json(hl_ctx *ctx, const hl_rig_drift *drift, char **out);
 
+/** Release what it holds. */
 HL_API void hl_rig_drift_free(hl_rig_drift *drift);
 
 #ifdef __cplusplus

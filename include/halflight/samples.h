@@ -30,6 +30,7 @@ typedef struct hl_samples {
  *         HL_ERR_MEMORY
  */
 HL_API hl_status hl_samples_read(hl_ctx *ctx, const char *path, hl_samples *out);
+/** Release what it holds and zero it; NULL is accepted. */
 HL_API void hl_samples_free(hl_samples *samples);
 
 /** What hl_samples_read promises of every sample, for samples that were made in memory. HL_OK;

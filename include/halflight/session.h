@@ -70,6 +70,7 @@ typedef enum hl_session_fault_kind {
   HL_FAULT_SLOW_LOCK /* "slow-lock": after the start, `frame` frames still show other settings */
 } hl_session_fault_kind;
 
+/** What a recorded camera does wrong at one frame. */
 typedef struct hl_session_fault {
   int frame; /* from 0 */
   hl_session_fault_kind kind;
@@ -131,6 +132,7 @@ HL_API hl_status hl_file_sha256(hl_ctx *ctx, const char *path, char out[65]);
 
 /** "raw-green", "exposure" and so on; "" outside the lists. */
 HL_API const char *hl_session_pixels_text(hl_session_pixels pixels);
+/** The name of a fault in session.json; "" outside the list. */
 HL_API const char *hl_session_fault_text(hl_session_fault_kind kind);
 
 /** Release what the session holds and zero it; NULL and zeroed sessions are accepted. */

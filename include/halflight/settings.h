@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/** What a settings field holds. */
 typedef enum hl_field_kind {
   HL_FIELD_DOUBLE, /* double */
   HL_FIELD_INT,    /* int */
@@ -27,6 +28,7 @@ typedef struct hl_field {
   const char *const *choices; /* NULL-terminated, only for HL_FIELD_CHOICE */
 } hl_field;
 
+/** The fields of one settings struct. */
 typedef struct hl_field_table {
   const char *what; /* name of the struct, for messages */
   const hl_field *fields;

@@ -14,6 +14,7 @@
 extern "C" {
 #endif
 
+/** Where a ball is, and how sure that is. */
 typedef struct hl_sphere {
   double center_m[3]; /* camera frame */
   double radius_m;
@@ -26,15 +27,21 @@ typedef struct hl_sphere {
                                                  the outline's pixels held; `n_intrinsics` columns */
 } hl_sphere;
 
+/** How to look for a ball. */
 typedef struct hl_sphere_settings {
   double min_radius_px; /* smallest image radius searched for */
   double max_radius_px; /* largest, above the smallest; 0 = 0.75 of the frame's longer side */
   double min_arc;       /* least share of the outline that must be seen, 0..1 */
   double max_rms_px;    /* largest accepted rms of the outline points; half of it beyond noise */
   double hint_x_px, hint_y_px, hint_radius_px; /* hint_radius_px > 0: look near this circle only */
+  double
+      blur_px; /* of the outline beyond the pixel's own square, as another frame of the same view had
+                     it (hl_sphere_fit); 0 = found in this one, at several times the cost */
 } hl_sphere_settings;
 
+/** The defaults; they pass their own check. */
 HL_API hl_sphere_settings hl_sphere_defaults(void);
+/** Name, unit, bounds and text of every setting. */
 HL_API const hl_field_table *hl_sphere_fields(void);
 
 /** What the outline said beside the pose. */
@@ -44,6 +51,7 @@ typedef struct hl_sphere_fit {
   double rms_px;       /* of the outline points that were used */
   double arc;          /* share of the outline that was seen, 0..1 */
   int n_points;        /* outline points used */
+  double blur_px;      /* of the outline, beyond the pixel's own square */
 } hl_sphere_fit;
 
 /**
@@ -79,7 +87,8 @@ HL_API hl_status hl_sphere_locate(hl_ctx *ctx, const hl_frame *frame, const hl_c
 
 /**
  * Read the outline about a known pose again, without searching the frame for it: for a ball that was
- * found in another frame of the same view. It follows by a few pixels at most.
+ * found in another frame of the same view. It follows by a few pixels at most. With settings->blur_px a ball
+ * that stands within a third of a pixel of `near` is read at a quarter of the cost.
  *
  * @param near its radius is kept; `settings` as for hl_sphere_locate, whose hint is not looked at
  * @return as hl_sphere_locate; HL_ERR_DEGENERATE also where no outline is near. Allocates nothing.

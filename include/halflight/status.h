@@ -28,6 +28,7 @@ extern "C" {
   X(HL_ERR_RESIDUAL, 3, "residual above the accepted limit")                                       \
   X(HL_ERR_NOT_CONVERGED, 3, "tolerance not reached")
 
+/** How a function ended. */
 typedef enum hl_status {
 #define HL_STATUS_ENUM(name, exit_status, text) name,
   HL_STATUS_LIST(HL_STATUS_ENUM)

@@ -80,6 +80,7 @@ HL_API hl_status hl_surface_by_intrinsics(hl_ctx *ctx, const hl_surface *surface
                                           double normal[3][HL_INTRINSICS_MAX],
                                           double view[3][HL_INTRINSICS_MAX]);
 
+/** Release what it holds and zero it; NULL is accepted. */
 HL_API void hl_surface_free(hl_surface *surface);
 
 #ifdef __cplusplus

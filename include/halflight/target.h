@@ -21,8 +21,10 @@
 extern "C" {
 #endif
 
+/** What is printed on a board. */
 typedef enum hl_target_kind { HL_TARGET_APRILGRID, HL_TARGET_CHESSBOARD } hl_target_kind;
 
+/** A printed board. */
 typedef struct hl_target {
   hl_target_kind kind;
   int columns, rows;    /* tags, or inner corners */
@@ -38,10 +40,12 @@ enum {
   HL_TARGET_SPEC_MAX = 80
 };
 
+/** Bounds of a tag's or a square's side. */
 #define HL_TARGET_SIZE_MIN_M 1e-5
-#define HL_TARGET_SIZE_MAX_M 100.0
+#define HL_TARGET_SIZE_MAX_M 100.0 /**< the largest */
+/** Bounds of the gap between tags, relative to the tag's side. */
 #define HL_TARGET_RATIO_MIN 0.01
-#define HL_TARGET_RATIO_MAX 10.0
+#define HL_TARGET_RATIO_MAX 10.0 /**< the largest */
 
 /**
  * Check a target against the bounds above.
@@ -61,7 +65,9 @@ HL_API const char *hl_target_spec(const hl_target *target, char text[HL_TARGET_S
 
 /** Corners along x and along y, and all of them. */
 HL_API int hl_target_corner_columns(const hl_target *target);
+/** Rows of its corners. */
 HL_API int hl_target_corner_rows(const hl_target *target);
+/** How many corners it has. */
 HL_API int hl_target_corners(const hl_target *target);
 
 /** Corner `index` in the board frame [m]; z = 0. */

@@ -9,16 +9,19 @@
 extern "C" {
 #endif
 
+/** a . b */
 static inline double hl_dot(const double a[3], const double b[3])
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/** |a| */
 static inline double hl_norm(const double a[3])
 {
   return sqrt(hl_dot(a, a));
 }
 
+/** a x b */
 static inline void hl_cross(const double a[3], const double b[3], double out[3])
 {
   const double x = a[1] * b[2] - a[2] * b[1];

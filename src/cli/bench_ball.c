@@ -2,8 +2,13 @@
  *
  *   body (0.4) max(0, n.s) + gloss f(n.h) [/ n.v],   h = (s + v) / |s + v|,
  *
- * sampled on a grid that is finer where the lobe is narrower than the pixel. Rays come from the
- * camera's own lens, so distortion is in the picture. */
+ * sampled at the nodes of Gauss's two-point rule on a grid of cells, which is finer where the lobe is
+ * narrower than the pixel: that mean is exact for shading that is cubic across a cell, where the mean of
+ * the cells' middles falls short of the bend by one over the square of their number. Rays come from the
+ * camera's own lens, so distortion is in the picture.
+ *
+ * Codes are what is left of a raw frame once its black level is taken off: noise in the dark stays as
+ * often below zero as above it, unless the sensor cuts it there (`cut`). */
 #include "bench_ball.h"
 
 #include <math.h>
@@ -17,7 +22,9 @@ static const double BODY = 0.4;
 static const double MIN_COS_VIEW = 0.1; /* the command's */
 static const double MARGIN = 1.15;      /* half the frame's side over the ball's radius */
 
-enum { ACROSS = 3, ACROSS_MAX = 48 };
+static const double NODE = 0.28867513459481288; /* of Gauss's two-point rule: 1 / sqrt(12) */
+
+enum { ACROSS = 4, ACROSS_MAX = 48 }; /* samples across a pixel, two a cell */
 
 /* Vigna's splitmix64, uniform in [0, 1). */
 static double uniform(uint64_t *state)
@@ -114,7 +121,15 @@ static int across_of(const hl_bench_ball *b, const hl_surface *surface, int i, c
   hl_unit(h, h);
   hl_add_scaled(surface->normal + 3 * i, -1, h, d);
   const double fine = hl_norm(d) < 8 * a + 2 * f ? ceil(4 * f / a) : ACROSS;
-  return (int)fmin(fmax(fine, ACROSS), ACROSS_MAX);
+  const int samples = (int)fmin(fmax(fine, ACROSS), ACROSS_MAX);
+  return samples + samples % 2;
+}
+
+/* Of sample k of `across`, from the pixel's centre, in pixels. */
+static double offset_of(int k, int across)
+{
+  const int pair = k / 2, pairs = across / 2;
+  return (pair + 0.5 + (k % 2 ? NODE : -NODE)) / pairs - 0.5;
 }
 
 static double mean_of(const hl_bench_ball *b, const hl_surface *surface, int i, const double s[3])
@@ -127,8 +142,8 @@ static double mean_of(const hl_bench_ball *b, const hl_surface *surface, int i, 
   for (int k = 0; k < across * across; k++) {
     const int column = k % across, row = k / across;
     double ray[3], n[3];
-    if (hl_camera_unproject(NULL, &surface->camera, x0 + (column + 0.5) / across - 0.5,
-                            y0 + (row + 0.5) / across - 0.5, ray) != HL_OK)
+    if (hl_camera_unproject(NULL, &surface->camera, x0 + offset_of(column, across),
+                            y0 + offset_of(row, across), ray) != HL_OK)
       continue;
     const double along = hl_dot(ray, center);
     const double depth = along - sqrt(fmax(along * along - beyond, 0));
@@ -181,7 +196,9 @@ static void draw(const hl_bench_ball *b, const hl_surface *surface, const double
         frame->state[at] = HL_SAMPLE_CLIPPED;
         frame->n_clipped++;
       } else if (b->bits > 0) {
-        value = fmax(floor(value / limit * full + 0.5), 0) / full * limit;
+        value = floor(value / limit * full + 0.5) / full * limit;
+        if (b->cut && value < 0)
+          value = 0;
       }
       frame->radiance[at] = (float)(value * b->scale);
     }

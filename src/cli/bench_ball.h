@@ -32,6 +32,7 @@ typedef struct hl_bench_ball {
   double noise;   /* deviation as a share of the body's height */
   double clipped; /* share of the lobe's height that saturation cuts off */
   int bits;       /* 0 = float */
+  bool cut;       /* with bits: what is below black is recorded as black */
   double focal_px;
   bool corner;  /* in the frame's corner under strong distortion */
   double share; /* of the pixels that the flaw takes */

@@ -8,8 +8,9 @@
 #include "draw.h"
 
 typedef struct hl_bench_result {
-  bool found, trusted;
-  double error_deg, time_ms; /* median of the repeats, the first run dropped */
+  bool found;
+  hl_bench_said said;
+  double error_deg, time_ms; /* median of the repeats */
 } hl_bench_result;
 
 /* Over the scenes; a scene without an answer counts as 90 deg. */
@@ -21,14 +22,18 @@ typedef struct hl_bench_row {
 } hl_bench_row;
 
 typedef struct hl_bench_table {
-  int n_scenes;
+  int n_scenes, n_methods; /* without ppr where R is not there */
   char (*scene)[64];       /* shape (n_scenes) */
   hl_bench_result *result; /* shape (methods, n_scenes) */
   hl_bench_row *row;       /* shape (methods) */
 } hl_bench_table;
 
-/* The caller frees it, also after a failure. */
-hl_status hl_bench_measure(hl_ctx *ctx, const char *const *folders, int n, hl_bench_table *out);
+enum { HL_BENCH_REPEATS_MAX = 99 };
+
+/* The caller frees it, also after a failure. Each method runs so often, 1 .. HL_BENCH_REPEATS_MAX, on each
+ * scene; once more where that is more than one, for the caches. */
+hl_status hl_bench_measure(hl_ctx *ctx, const char *const *folders, int n, int repeats,
+                           hl_bench_table *out);
 void hl_bench_table_free(hl_bench_table *table);
 
 void hl_bench_print(FILE *out, const hl_bench_table *table);

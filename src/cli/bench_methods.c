@@ -4,8 +4,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The bends and the outliers are not noted by their terms' names. */
+static unsigned used_of(const hl_notes *used)
+{
+  unsigned on = 0;
+  for (int i = 0; i < used->n; i++) {
+    const char *what = used->note[i].what;
+    for (int t = 0; t < HL_LIGHT_TERMS; t++)
+      if (strcmp(what, hl_light_term_name((hl_light_term)t)) == 0)
+        on |= 1U << t;
+    if (strcmp(what, "masking and bent body") == 0)
+      on |= 1U << HL_LIGHT_BENDS;
+    if (strcmp(what, "outlier rejection") == 0)
+      on |= 1U << HL_LIGHT_OUTLIERS;
+  }
+  return on;
+}
+
 static bool estimate(const hl_bench_scene *s, const hl_light_settings *settings, double light[3],
-                     bool *trusted)
+                     hl_bench_said *said)
 {
   hl_light *out = calloc(1, sizeof *out);
   const bool found =
@@ -13,7 +30,8 @@ static bool estimate(const hl_bench_scene *s, const hl_light_settings *settings,
       out->found;
   if (found) {
     memcpy(light, out->direction, sizeof out->direction);
-    *trusted = out->trusted;
+    said->trusted = out->trusted;
+    said->used = used_of(&out->used);
   }
   free(out);
   return found;
@@ -21,14 +39,14 @@ static bool estimate(const hl_bench_scene *s, const hl_light_settings *settings,
 
 #define METHOD(name)                                                                               \
   static bool name(const hl_bench_scene *s, const hl_bench_method *m, double light[3],             \
-                   bool *trusted)
+                   hl_bench_said *said)
 
 METHOD(by_pixels)
 {
   hl_light_settings settings = hl_light_defaults();
   settings.threads = 1;
   settings.pixels = (int)m->budget;
-  return estimate(s, &settings, light, trusted);
+  return estimate(s, &settings, light, said);
 }
 
 METHOD(by_time)
@@ -36,7 +54,7 @@ METHOD(by_time)
   hl_light_settings settings = hl_light_defaults();
   settings.threads = 1;
   settings.budget_ms = m->budget;
-  return estimate(s, &settings, light, trusted);
+  return estimate(s, &settings, light, said);
 }
 
 METHOD(by_lobe)
@@ -44,14 +62,30 @@ METHOD(by_lobe)
   hl_light_settings settings = hl_light_defaults();
   settings.threads = 1;
   settings.lobe = m->budget > 0 ? HL_LOBE_FORESHORTENED : HL_LOBE_PLAIN;
-  return estimate(s, &settings, light, trusted);
+  return estimate(s, &settings, light, said);
+}
+
+METHOD(by_basis)
+{
+  hl_light_settings settings = hl_light_defaults();
+  settings.threads = 1;
+  settings.intervals = (int)m->budget;
+  return estimate(s, &settings, light, said);
+}
+
+METHOD(without_term)
+{
+  hl_light_settings settings = hl_light_defaults();
+  settings.threads = 1;
+  settings.without = 1U << (unsigned)m->budget;
+  return estimate(s, &settings, light, said);
 }
 
 #define RULE(name, call)                                                                           \
   METHOD(name)                                                                                     \
   {                                                                                                \
     (void)m;                                                                                       \
-    *trusted = true;                                                                               \
+    (void)said;                                                                                    \
     return call;                                                                                   \
   }
 
@@ -77,6 +111,16 @@ const hl_bench_method hl_bench_methods[] = {
     {"10 ms", "time", true, 10, by_time},
     {"5 ms", "time", true, 5, by_time},
     {"2 ms", "time", true, 2, by_time},
+    {"1 ms", "time", true, 1, by_time},
+    {"24 intervals", "basis", true, 24, by_basis},
+    {"16 intervals", "basis", true, 16, by_basis},
+    {"10 intervals", "basis", true, 10, by_basis},
+    {"6 intervals", "basis", true, 6, by_basis},
+    {"without ambient", "term", true, HL_LIGHT_AMBIENT, without_term},
+    {"without near", "term", true, HL_LIGHT_NEAR, without_term},
+    {"without backscatter", "term", true, HL_LIGHT_BACKSCATTER, without_term},
+    {"without outliers", "term", true, HL_LIGHT_OUTLIERS, without_term},
+    {"without bends", "term", true, HL_LIGHT_BENDS, without_term},
     {"plain lobe only", "lobe", true, 0, by_lobe},
     {"foreshortened lobe only", "lobe", true, 1, by_lobe},
     {"brightest pixel, parallel", "brightest", false, 0, brightest_parallel},
@@ -87,5 +131,6 @@ const hl_bench_method hl_bench_methods[] = {
     {"relight's rule", "relight", false, 0, relight},
     {"AliceVision, brightest point", "alicevision", false, 0, alicevision_bright},
     {"AliceVision, white sphere", "alicevision", false, 0, alicevision_white},
+    {"R's ppr, one ridge", "ppr", false, 0, NULL}, /* last: it is left out where R is not there */
 };
 const int hl_bench_methods_count = sizeof hl_bench_methods / sizeof *hl_bench_methods;

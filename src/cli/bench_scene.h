@@ -21,14 +21,20 @@ typedef struct hl_bench_scene {
 hl_status hl_bench_scene_open(hl_ctx *ctx, const char *folder, hl_bench_scene *out);
 void hl_bench_scene_close(hl_bench_scene *scene);
 
+/* What an answer says of itself. */
+typedef struct hl_bench_said {
+  bool trusted;
+  unsigned used; /* bit t: the term t */
+} hl_bench_said;
+
 typedef struct hl_bench_method {
   const char *name;
   const char *family; /* methods that differ by a budget only share it */
   bool ours;
-  double budget; /* pixels or ms; 0 = none */
-  /* false: it finds no light here. `trusted` starts as true. */
+  double budget; /* pixels, ms, intervals, or the term left out; 0 = none */
+  /* false: it finds no light here. `said` starts as trusted, with no terms. NULL: hl_ppr_run. */
   bool (*run)(const hl_bench_scene *scene, const struct hl_bench_method *method, double light[3],
-              bool *trusted);
+              hl_bench_said *said);
 } hl_bench_method;
 
 extern const hl_bench_method hl_bench_methods[];

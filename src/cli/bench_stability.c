@@ -13,6 +13,7 @@ static const double DEGREES = 180 / 3.14159265358979323846;
 static const double MOST_DEVIATIONS = 5;
 static const double MARGIN_DEG = 0.2;
 static const double LEAST_OK = 0.8;
+static const double FAST_MOST_PX = 100;
 
 static hl_bench_ball plain(const char *group, double value, bool determinable)
 {
@@ -74,6 +75,10 @@ static int list_sensors(hl_bench_ball *list)
     b.bits = bits[k];
     list[n++] = b;
   }
+  hl_bench_ball cut = plain("bits, cut at black", 12, true);
+  cut.bits = 12;
+  cut.cut = true;
+  list[n++] = cut;
   hl_bench_ball dead = plain("channels dead", 1, true);
   dead.flaw = HL_BENCH_DEAD;
   list[n++] = dead;
@@ -110,7 +115,7 @@ static void judge(const double truth[3], const hl_light *light, hl_stability *ou
     memcpy(out->reason, light->reasons.note[0].why, sizeof out->reason);
 }
 
-static hl_status run_case(hl_ctx *ctx, uint64_t seed, hl_stability *out)
+static hl_status run_case(hl_ctx *ctx, hl_stability *out)
 {
   hl_frame frame = {0};
   hl_surface surface = {0};
@@ -121,7 +126,7 @@ static hl_status run_case(hl_ctx *ctx, uint64_t seed, hl_stability *out)
     return hl_fail(ctx, HL_ERR_MEMORY, "no memory for a light");
   hl_light_settings settings = hl_light_defaults();
   settings.threads = 1;
-  hl_status st = hl_bench_ball_draw(ctx, &out->ball, seed, &frame, &surface, truth);
+  hl_status st = hl_bench_ball_draw(ctx, &out->ball, out->seed, &frame, &surface, truth);
   if (st == HL_OK)
     st = hl_light_work_new(ctx, surface.n, frame.channels, &work);
   if (st == HL_OK)
@@ -146,8 +151,8 @@ hl_status hl_stability_run(hl_ctx *ctx, bool fast, hl_stability *out, int *n)
   listed += list_sensors(list + listed);
   *n = 0;
   for (int i = 0; i < listed; i++)
-    if (!fast || list[i].radius_px <= 100)
-      out[(*n)++] = (hl_stability){.ball = list[i]};
+    if (!fast || list[i].radius_px <= FAST_MOST_PX)
+      out[(*n)++] = (hl_stability){.ball = list[i], .seed = (uint64_t)i + 1};
   const int total = *n;
   int lacking = 0;
 #ifdef _OPENMP
@@ -155,7 +160,7 @@ hl_status hl_stability_run(hl_ctx *ctx, bool fast, hl_stability *out, int *n)
 #endif
   for (int i = 0; i < total; i++) {
     hl_ctx own = {0};
-    lacking += run_case(&own, (uint64_t)i + 1, out + i) != HL_OK;
+    lacking += run_case(&own, out + i) != HL_OK;
   }
   return lacking ? hl_fail(ctx, HL_ERR_MEMORY, "no memory for %d of %d cases", lacking, total)
                  : HL_OK;
@@ -192,19 +197,29 @@ static tally count(const hl_stability *cases, int n)
   return t;
 }
 
+/* Whether large balls are among them. */
+static bool whole(const hl_stability *cases, int n)
+{
+  for (int i = 0; i < n; i++)
+    if (cases[i].ball.radius_px > FAST_MOST_PX)
+      return true;
+  return false;
+}
+
 void hl_stability_print(FILE *out, const hl_stability *cases, int n)
 {
   static const char *const verdicts[] = {"ok", "untrusted", "refused"};
   const tally t = count(cases, n);
   fprintf(out,
           "# Stability\n\n"
+          "Printed by `halflight bench --stability%s`.\n\n"
           "%d cases: %d ok, %d untrusted, %d refused; of %d determinable ones %d are ok; largest "
           "error of an ok answer %.1f of its own deviations; %d beyond %g deviations plus %g "
           "deg.\n\n"
           "| Varied | Value | Determinable | Status | Error [deg] | Deviations | Condition | "
           "Iterations | First reason |\n|---|---|---|---|---|---|---|---|---|\n",
-          n, t.verdict[0], t.verdict[1], t.verdict[2], t.determinable, t.determinable_ok, t.most,
-          t.wrong, MOST_DEVIATIONS, MARGIN_DEG);
+          whole(cases, n) ? "" : " --fast", n, t.verdict[0], t.verdict[1], t.verdict[2],
+          t.determinable, t.determinable_ok, t.most, t.wrong, MOST_DEVIATIONS, MARGIN_DEG);
   for (int i = 0; i < n; i++) {
     const hl_stability *c = cases + i;
     fprintf(out, "| %s | %g | %s | %s | ", c->ball.group, c->ball.value,

@@ -10,6 +10,7 @@ typedef enum hl_verdict { HL_VERDICT_OK, HL_VERDICT_UNTRUSTED, HL_VERDICT_REFUSE
 
 typedef struct hl_stability {
   hl_bench_ball ball;
+  uint64_t seed; /* the case's own, with or without the others */
   hl_status status;
   hl_verdict verdict;
   bool broken; /* a number that is none */

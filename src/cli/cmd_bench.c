@@ -8,12 +8,14 @@
 #include "bench_measure.h"
 #include "bench_stability.h"
 #include "commands.h"
+#include "evidence_charts.h"
 #include "options.h"
 #include "outputs.h"
 
 typedef struct bench_args {
   hl_words folders;
   bool stability, fast, json;
+  int repeats;
   const char *out, *plot;
 } bench_args;
 
@@ -24,12 +26,29 @@ static const hl_operand operands[] = {
      HL_OPERAND_MANY},
 };
 
+static const hl_field_table *repeat_fields(void)
+{
+  static const hl_field fields[] = {
+      {"repeats", HL_FIELD_INT, 0, 1, HL_BENCH_REPEATS_MAX, "",
+       "runs of each method on each scene, whose median time counts", NULL},
+  };
+  static const hl_field_table table = {"bench", fields, 1};
+  return &table;
+}
+
+static void defaults(void *args)
+{
+  ((bench_args *)args)->repeats = 5;
+}
+
 static const hl_option options[] = {
     {"stability", NULL, "What is run",
      "extreme scenes drawn in memory: error, condition, iterations and status of each",
      AT(stability), 0, 0},
     {"fast", NULL, NULL, "with --stability: leave out balls above 100 px radius", AT(fast), 0, 0},
-    {"out", "DIR", "Output", "write bench.json, or stability.md, there", AT(out), 0, 0},
+    {"repeats", "N", NULL, NULL, AT(repeats), repeat_fields, 0},
+    {"out", "DIR", "Output", "write bench.json and evidence.json, or stability.md, there", AT(out),
+     0, 0},
     {"json", NULL, NULL, "print every scene and method as JSON and nothing else", AT(json), 0, 0},
     {"plot", "FILE", NULL, "error against time: .png, .svg or .pdf", AT(plot), 0, 0},
 };
@@ -81,16 +100,17 @@ static int by_name(const void *a, const void *b)
   return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Those of fixtures/ that hold a truth. */
+/* Those of fixtures/ that hold a ball and the truth of its light. */
 static void find_folders(folder_list *list)
 {
   DIR *dir = opendir("fixtures");
   const struct dirent *e;
   while (dir && list->n < FOLDERS_MAX && (e = readdir(dir))) {
-    char truth[FOLDER_BYTES + 16];
+    char truth[FOLDER_BYTES + 16], ball[FOLDER_BYTES + 16];
     snprintf(list->text[list->n], FOLDER_BYTES, "fixtures/%s", e->d_name);
     snprintf(truth, sizeof truth, "%s/truth.json", list->text[list->n]);
-    if (e->d_name[0] == '.' || access(truth, R_OK) != 0)
+    snprintf(ball, sizeof ball, "%s/sphere.json", list->text[list->n]);
+    if (e->d_name[0] == '.' || access(truth, R_OK) != 0 || access(ball, R_OK) != 0)
       continue;
     list->path[list->n] = list->text[list->n];
     list->n++;
@@ -109,7 +129,7 @@ static hl_status write_json(hl_ctx *ctx, const char *path, const char *text)
 }
 
 static hl_status write_results(hl_ctx *ctx, const bench_args *a, const hl_bench_table *table,
-                               hl_outputs *outputs, const int at[2], hl_picture_kind kind)
+                               hl_outputs *outputs, const int at[3], hl_picture_kind kind)
 {
   char *text = NULL;
   hl_status st = hl_bench_json(ctx, table, &text);
@@ -119,6 +139,8 @@ static hl_status write_results(hl_ctx *ctx, const bench_args *a, const hl_bench_
     st = write_json(ctx, outputs->stage[at[0]], text);
   if (st == HL_OK && at[1] >= 0)
     st = hl_draw_bench(ctx, kind, outputs->stage[at[1]], table);
+  if (st == HL_OK && at[2] >= 0)
+    st = hl_evidence_of_bench(ctx, outputs->stage[at[2]], table);
   if (st == HL_OK && a->json)
     puts(text);
   else if (st == HL_OK)
@@ -135,16 +157,18 @@ static hl_status compare(hl_ctx *ctx, const bench_args *a, const char *const *fo
   hl_outputs outputs = {0};
   hl_bench_table table = {0};
   hl_picture_kind kind = HL_PICTURE_PNG;
-  int at[2] = {-1, -1};
+  int at[3] = {-1, -1, -1};
   hl_status st = a->plot ? hl_picture_kind_of(ctx, "plot", a->plot, &kind) : HL_OK;
   if (st == HL_OK && a->out)
     st = hl_outputs_folder(ctx, &outputs, a->out);
   if (st == HL_OK && a->out)
     st = hl_outputs_add(ctx, &outputs, a->out, "bench.json", &at[0]);
+  if (st == HL_OK && a->out)
+    st = hl_outputs_add(ctx, &outputs, a->out, "evidence.json", &at[2]);
   if (st == HL_OK && a->plot)
     st = hl_outputs_add(ctx, &outputs, NULL, a->plot, &at[1]);
   if (st == HL_OK)
-    st = hl_bench_measure(ctx, folders, n, &table);
+    st = hl_bench_measure(ctx, folders, n, a->repeats, &table);
   if (st == HL_OK)
     st = write_results(ctx, a, &table, &outputs, at, kind);
   hl_outputs_end(ctx, &outputs);
@@ -201,6 +225,10 @@ const hl_command hl_command_bench = {
     .notes =
         "Exit status: 0 done, 1 failed, 2 wrong usage, 3 a case is wrong and called ok, or too "
         "few are.",
+    .example = "  $ halflight bench ball\n"
+               "  1 scene; error of the light [deg], processor time ...\n"
+               "  ...",
     .size = sizeof(bench_args),
+    .defaults = defaults,
     .run = run,
 };

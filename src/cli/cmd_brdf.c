@@ -108,7 +108,10 @@ const hl_command hl_command_brdf = {
     .notes = "The table holds the isotropic reciprocal BRDF whose radiance is nearest to the\n"
              "fit's; how near is printed.\n"
              "Exit status: 0 done, 1 failed, 2 wrong usage, 3 no BRDF follows from the fit.",
-    .example = "  halflight brdf out/light.json --albedo 0.5 --out ball.binary",
+    .example = "  $ halflight brdf out/light.json --albedo 0.5 --out ball.binary\n"
+               "  table         90 x 90 x 180 cells over theta_half, theta_diff, phi_diff; BRDF\n"
+               "                [1/sr] is the stored value times 1/1500, 1.15/1500, 1.66/1500\n"
+               "  ...",
     .size = sizeof(brdf_args),
     .defaults = defaults,
     .run = run,

@@ -8,6 +8,7 @@
 #include "board_frames.h"
 #include "commands.h"
 #include "draw_calibration.h"
+#include "evidence_charts.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
 #include "options.h"
@@ -122,13 +123,15 @@ static const hl_option options[] = {
     {"view-ratio", "R", NULL, NULL, AT(settings), hl_calibration_fields, 0},
     {"model-gain", "G", NULL, NULL, AT(settings), hl_calibration_fields, 0},
     {"json", NULL, "Output", "print CAMERA.json on stdout and nothing else", AT(json), 0, 0},
-    {"out", "CAMERA.json", NULL, "write the camera there", AT(out), 0, 0},
+    {"out", "CAMERA.json|DIR/", NULL,
+     "write the camera there, or camera.json and what `report` shows into a folder", AT(out), 0, 0},
     {"save-corners", "F.vnl", NULL, "write the corners there", AT(save_corners), 0, 0},
     {"uncertainty-at", "X,Y[,D]", NULL,
      "state how sure the projection is at that pixel, and distance [m]; may be repeated", AT(asked),
      0, parse_asked},
     {"picture", "FILE", NULL, "coverage, residuals and uncertainty: .png, .svg or .pdf",
      AT(picture), 0, 0},
+    {"plot", "FILE", NULL, "the same as --picture", AT(picture), 0, 0},
 };
 
 static void defaults(void *args)
@@ -145,7 +148,7 @@ typedef struct calibrate_run {
   hl_corners corners;
   hl_calibration calibration;
   hl_outputs outputs;
-  int camera_at, corners_at, picture_at; /* places in outputs; -1 = not asked for */
+  int camera_at, corners_at, picture_at, evidence_at; /* places in outputs; -1 = not asked for */
   hl_picture_kind picture_kind;
 } calibrate_run;
 
@@ -171,12 +174,12 @@ static hl_status plan(hl_ctx *ctx, calibrate_run *r)
 {
   const calibrate_args *a = r->args;
   hl_outputs *o = &r->outputs;
-  r->camera_at = r->corners_at = r->picture_at = -1;
+  r->camera_at = r->corners_at = r->picture_at = r->evidence_at = -1;
   hl_status st = check_usage(ctx, a);
   if (st == HL_OK)
     st = hl_target_parse(ctx, a->target, &r->target);
   if (st == HL_OK && a->out)
-    st = hl_outputs_add(ctx, o, NULL, a->out, &r->camera_at);
+    st = hl_outputs_document(ctx, o, a->out, "camera.json", &r->camera_at, &r->evidence_at);
   if (st == HL_OK && a->save_corners)
     st = hl_outputs_add(ctx, o, NULL, a->save_corners, &r->corners_at);
   if (st == HL_OK && a->picture) {
@@ -243,6 +246,8 @@ static hl_status write_and_print(hl_ctx *ctx, calibrate_run *r)
   if (st == HL_OK && r->picture_at >= 0)
     st = hl_draw_calibration(ctx, r->picture_kind, o->stage[r->picture_at], &r->calibration,
                              &r->corners);
+  if (st == HL_OK && r->evidence_at >= 0)
+    st = hl_evidence_of_calibration(ctx, o->stage[r->evidence_at], &r->calibration, &r->corners);
   if (st == HL_OK)
     st = print_result(ctx, r);
   if (st == HL_OK)
@@ -292,8 +297,12 @@ const hl_command hl_command_calibrate = {
     .notes = "Fifteen views and more: the board tilted by 20 to 45 degrees in several\n"
              "directions, its corners all over the frame. Deviations are one sigma.\n"
              "Exit status: 0 done, 1 failed, 2 wrong usage, 3 the answer is not to be trusted.",
-    .example = "  halflight calibrate frames/*.png --target aprilgrid:6x6:0.03:0.3 \\\n"
-               "    --out camera.json --picture calibration.png",
+    .example = "  $ halflight calibrate --corners corners.vnl --image-size 640x480 \\\n"
+               "      --target aprilgrid:6x6:0.03:0.3 --out calibrated.json --picture fit.png\n"
+               "  camera        pinhole, 640 x 480 px\n"
+               "  focal length  700.03 +- 0.25, 702.01 +- 0.26 px\n"
+               "  centre        322.67 +- 0.28, 237.18 +- 0.26 px\n"
+               "  ...",
     .size = sizeof(calibrate_args),
     .defaults = defaults,
     .run = run,

@@ -253,8 +253,9 @@ const hl_command hl_command_capture = {
     .notes = "Ctrl-C ends after the present frame; the same command takes the frames that the\n"
              "session lacks.\n"
              "Exit status: 0 done, 1 failed, interrupted or frames are missing, 2 wrong usage.",
-    .example = "  halflight capture --frames 24 --exposure-us 8000 --gain 1 --raw green \\\n"
-               "    --camera camera.json --radius-m 0.025 --out dome/",
+    .example = "  $ halflight capture --recorded recorded --frames 1 --exposure-us 8000 \\\n"
+               "      --gain 1 --label left --camera camera.json --radius-m 0.02 --out session\n"
+               "  1 of 1 frames in session, 1 of them now",
     .size = sizeof(capture_args),
     .defaults = defaults,
     .run = run,

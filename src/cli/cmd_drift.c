@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "draw.h"
 #include "drift_rig.h"
+#include "evidence_charts.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
 #include "options.h"
@@ -14,7 +15,7 @@
 
 typedef struct drift_args {
   const char *reference, *current;
-  const char *board, *target, *board_pose, *save_board_pose, *picture;
+  const char *board, *target, *board_pose, *save_board_pose, *picture, *out;
   bool json;
   hl_drift_settings settings;
 } drift_args;
@@ -40,6 +41,8 @@ static const hl_option options[] = {
     {"false-alarm", "A", "Verdict", NULL, AT(settings), hl_drift_fields, 0},
     {"distance-m", "D", NULL, NULL, AT(settings), hl_drift_fields, 0},
     {"json", NULL, "Output", "print the document on stdout and nothing else", AT(json), 0, 0},
+    {"out", "DIR", NULL, "write drift.json, and evidence.json for `report`, there", AT(out), 0, 0},
+    {"plot", "FILE", NULL, "the same as --picture", AT(picture), 0, 0},
     {"picture", "FILE", NULL, "projection difference, or lights that moved: .png, .svg or .pdf",
      AT(picture), 0, 0},
 };
@@ -56,7 +59,7 @@ typedef struct drift_run {
   hl_board_pose pose;
   hl_drift drift;
   hl_outputs outputs;
-  int pose_at, picture_at; /* places in outputs; -1 = not asked for */
+  int pose_at, picture_at, drift_at, evidence_at; /* places in outputs; -1 = not asked for */
   hl_picture_kind picture_kind;
 } drift_run;
 
@@ -81,6 +84,8 @@ static hl_status check_usage(hl_ctx *ctx, const drift_args *a)
                    "--save-board-pose POSE.json, to begin with");
   if (a->save_board_pose && a->picture)
     return hl_fail(ctx, HL_ERR_ARG, "--save-board-pose compares nothing that --picture could show");
+  if (a->save_board_pose && a->out)
+    return hl_fail(ctx, HL_ERR_ARG, "--save-board-pose compares nothing that --out could hold");
   return HL_OK;
 }
 
@@ -88,7 +93,7 @@ static hl_status plan(hl_ctx *ctx, drift_run *r)
 {
   const drift_args *a = r->args;
   hl_status st = check_usage(ctx, a);
-  r->pose_at = r->picture_at = -1;
+  r->pose_at = r->picture_at = r->drift_at = r->evidence_at = -1;
   if (st == HL_OK && a->save_board_pose)
     st = hl_outputs_add(ctx, &r->outputs, NULL, a->save_board_pose, &r->pose_at);
   if (st == HL_OK && a->picture) {
@@ -96,6 +101,8 @@ static hl_status plan(hl_ctx *ctx, drift_run *r)
     if (st == HL_OK)
       st = hl_outputs_add(ctx, &r->outputs, NULL, a->picture, &r->picture_at);
   }
+  if (st == HL_OK && a->out)
+    st = hl_drift_plan(ctx, &r->outputs, a->out, &r->drift_at, &r->evidence_at);
   return st;
 }
 
@@ -199,6 +206,16 @@ static hl_status print_result(hl_ctx *ctx, const drift_run *r)
   return st;
 }
 
+static hl_status write_document(hl_ctx *ctx, const drift_run *r)
+{
+  char *text = NULL;
+  hl_status st = hl_drift_json(ctx, &r->drift, &text);
+  if (st == HL_OK)
+    st = hl_file_write(ctx, r->outputs.stage[r->drift_at], text, strlen(text));
+  free(text);
+  return st;
+}
+
 /* Text that stdout does not take leaves no files. */
 static hl_status write_and_print(hl_ctx *ctx, drift_run *r)
 {
@@ -210,6 +227,10 @@ static hl_status write_and_print(hl_ctx *ctx, drift_run *r)
     st = hl_board_pose_write(ctx, o->stage[r->pose_at], &r->pose);
   if (st == HL_OK && r->picture_at >= 0)
     st = hl_draw_drift(ctx, r->picture_kind, o->stage[r->picture_at], &r->drift, verdict);
+  if (st == HL_OK && r->drift_at >= 0)
+    st = write_document(ctx, r);
+  if (st == HL_OK && r->evidence_at >= 0)
+    st = hl_evidence_of_drift(ctx, o->stage[r->evidence_at], &r->drift, verdict);
   if (st == HL_OK)
     st = print_result(ctx, r);
   if (st == HL_OK)
@@ -233,6 +254,7 @@ static hl_status run_rig(hl_ctx *ctx, const drift_args *a)
   const hl_drift_rig_args args = {.reference = a->reference,
                                   .current = a->current,
                                   .picture = a->picture,
+                                  .out = a->out,
                                   .json = a->json,
                                   .settings = {.false_alarm = a->settings.false_alarm}};
   const hl_status st = check_usage(ctx, a);
@@ -276,9 +298,20 @@ const hl_command hl_command_drift = {
              "intensity, the ball, the camera's mount and intrinsics, and the exposure.\n"
              "The document's `change' and `deviation' are in px, coefficients, rad and m.\n"
              "Exit status: 0 the same, 1 failed, 2 wrong usage, 3 drifted.",
-    .example = "  halflight drift camera.json camera-today.json --picture drift.png\n"
-               "  halflight drift camera.json --board fixed.png --save-board-pose board.json\n"
-               "  halflight drift camera.json --board fixed-today.png --board-pose board.json",
+    .example = "  $ halflight drift reference.json today.json --picture drift.png\n"
+               "  verdict       DRIFTED: where nothing moved, as large a difference has\n"
+               "                probability 2e-224 (alarm below 0.01)\n"
+               "  moved         focal length by 3.5 px (+0.5 %): fx +3.50 +- 0.14 px, ...\n"
+               "  ...\n"
+               "  $ halflight drift reference.json --board fixed.vnl \\\n"
+               "      --target chessboard:9x7:0.03 --save-board-pose board.json\n"
+               "  board         first corner at -0.120000 -0.090000 0.500000 m (x right, y down,\n"
+               "                z forward)\n"
+               "  ...\n"
+               "  $ halflight drift reference.json --board fixed.vnl --board-pose board.json\n"
+               "  verdict       same: where nothing moved, as large a difference has probability\n"
+               "                1 (alarm below 0.01)\n"
+               "  ...",
     .size = sizeof(drift_args),
     .defaults = defaults,
     .run = run,

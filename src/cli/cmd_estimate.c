@@ -5,7 +5,8 @@
 #include <string.h>
 
 #include "commands.h"
-#include "draw.h"
+#include "draw_curves.h"
+#include "evidence_frame.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
 #include "options.h"
@@ -59,7 +60,9 @@ static const hl_option options[] = {
     {"budget-ms", "T", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"threads", "N", NULL, NULL, AT(light_settings), hl_light_fields, 0},
     {"json", NULL, "Output", "print LIGHT.json on stdout and nothing else", AT(json), 0, 0},
-    {"out", "DIR", NULL, "write light.json, curves.csv and lights.lp there", AT(out), 0, 0},
+    {"out", "DIR", NULL,
+     "write light.json, curves.csv, lights.lp, and evidence.json for `report` there", AT(out), 0,
+     0},
     {"picture", "FILE", NULL, "annotated photo: .png, .svg or .pdf", AT(picture), 0, 0},
     {"plot", "FILE", NULL, "fitted curves: .png, .svg or .pdf", AT(plot), 0, 0},
 };
@@ -88,9 +91,11 @@ typedef struct estimate_run {
   hl_sphere_fit fit;
   hl_surface surface;
   hl_light light;
+  hl_light_work *work;
   hl_timing timing;
   hl_outputs outputs;
-  int light_at, curves_at, lp_at, picture_at, plot_at; /* places in outputs; -1 = not asked for */
+  int light_at, curves_at, lp_at, evidence_at, picture_at,
+      plot_at; /* places in outputs; -1 = not asked for */
   hl_picture_kind picture_kind, plot_kind;
 } estimate_run;
 
@@ -121,7 +126,7 @@ static hl_status plan_outputs(hl_ctx *ctx, estimate_run *r)
   const estimate_args *a = r->args;
   hl_outputs *o = &r->outputs;
   hl_status st = HL_OK;
-  r->light_at = r->curves_at = r->lp_at = r->picture_at = r->plot_at = -1;
+  r->light_at = r->curves_at = r->lp_at = r->evidence_at = r->picture_at = r->plot_at = -1;
   if (a->out) {
     st = hl_outputs_folder(ctx, o, a->out);
     if (st == HL_OK)
@@ -130,6 +135,8 @@ static hl_status plan_outputs(hl_ctx *ctx, estimate_run *r)
       st = hl_outputs_add(ctx, o, a->out, "curves.csv", &r->curves_at);
     if (st == HL_OK)
       st = hl_outputs_add(ctx, o, a->out, "lights.lp", &r->lp_at);
+    if (st == HL_OK)
+      st = hl_outputs_add(ctx, o, a->out, "evidence.json", &r->evidence_at);
   }
   if (st == HL_OK && a->picture) {
     st = hl_picture_kind_of(ctx, "picture", a->picture, &r->picture_kind);
@@ -194,12 +201,11 @@ static hl_status find_surface(hl_ctx *ctx, estimate_run *r)
 
 static hl_status estimate_light(hl_ctx *ctx, estimate_run *r)
 {
-  hl_light_work *work = NULL;
   const double start = hl_inputs_clock_ms();
-  hl_status st = hl_light_work_new(ctx, r->surface.n, r->frame.channels, &work);
+  hl_status st = hl_light_work_new(ctx, r->surface.n, r->frame.channels, &r->work);
   if (st == HL_OK)
-    st = hl_light_estimate(ctx, work, &r->frame, &r->surface, &r->args->light_settings, &r->light);
-  hl_light_work_free(work);
+    st = hl_light_estimate(ctx, r->work, &r->frame, &r->surface, &r->args->light_settings,
+                           &r->light);
   r->timing.estimate_ms = hl_inputs_clock_ms() - start;
   return hl_inputs_blame(ctx, st, r->args->frame);
 }
@@ -250,13 +256,16 @@ static hl_status print_result(hl_ctx *ctx, const estimate_run *r)
   return st;
 }
 
-/* light.json last: it holds the time the others took. Text that stdout does not take leaves no files. */
+/* light.json is read for the evidence, and written again last: it holds the time the others took. Text
+ * that stdout does not take leaves no files. */
 static hl_status write_and_print(hl_ctx *ctx, estimate_run *r)
 {
   hl_outputs *o = &r->outputs;
   const double start = hl_inputs_clock_ms();
   const hl_photo photo = {&r->frame,   &r->camera, r->has_sphere ? &r->sphere : NULL,
-                          &r->surface, &r->light,  r->has_fit ? &r->fit : NULL};
+                          &r->surface, &r->light,  r->has_fit ? &r->fit : NULL,
+                          false};
+  const hl_curve_sheet sheet = {&r->light, NULL, NULL, NULL};
   hl_status st = hl_outputs_begin(ctx, o);
   if (st == HL_OK && r->curves_at >= 0)
     st = hl_curves_csv_write(ctx, o->stage[r->curves_at], &r->light);
@@ -265,7 +274,12 @@ static hl_status write_and_print(hl_ctx *ctx, estimate_run *r)
   if (st == HL_OK && r->picture_at >= 0)
     st = hl_draw_frame(ctx, r->picture_kind, o->stage[r->picture_at], &photo);
   if (st == HL_OK && r->plot_at >= 0)
-    st = hl_draw_curves(ctx, r->plot_kind, o->stage[r->plot_at], &r->light);
+    st = hl_draw_curves(ctx, r->plot_kind, o->stage[r->plot_at], &sheet);
+  if (st == HL_OK && r->light_at >= 0)
+    st = hl_light_json_write(ctx, o->stage[r->light_at], &r->light, &r->timing);
+  if (st == HL_OK && r->evidence_at >= 0)
+    st =
+        hl_evidence_of_frame(ctx, o->stage[r->evidence_at], &photo, r->work, o->stage[r->light_at]);
   r->timing.export_ms = hl_inputs_clock_ms() - start;
   if (st == HL_OK && r->light_at >= 0)
     st = hl_light_json_write(ctx, o->stage[r->light_at], &r->light, &r->timing);
@@ -329,6 +343,7 @@ static hl_status run(hl_ctx *ctx, const void *args)
     else if (hl_status_exit(st) == hl_status_exit(HL_ERR_DEGENERATE))
       st = report_nothing(ctx, r, st);
   }
+  hl_light_work_free(r->work);
   hl_surface_free(&r->surface);
   hl_frame_free(&r->frame);
   free(r);
@@ -343,8 +358,13 @@ const hl_command hl_command_estimate = {
     .options = options,
     .n_options = sizeof options / sizeof *options,
     .notes = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 the answer is not to be trusted.",
-    .example = "  halflight estimate frame.png --camera camera.json --radius-m 0.025 \\\n"
-               "    --out result --picture result/photo.png --plot result/curves.png",
+    .example = "  $ halflight estimate frame.pfm --camera camera.json --radius-m 0.02 \\\n"
+               "      --out out --picture out/photo.png --plot out/curves.png\n"
+               "  light          0.318090 -0.423915 -0.848006  camera: x right, ...\n"
+               "                 0.318090  0.423915  0.848006  .lp: x right, y up, ...\n"
+               "                32.74 deg from the view, azimuth 53.12 deg (0 right, 90 up)\n"
+               "                95 % ellipse, half axes 0.0507 and 0.0455 deg\n"
+               "  ...",
     .size = sizeof(estimate_args),
     .defaults = defaults,
     .run = run,

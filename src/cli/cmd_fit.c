@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "draw.h"
+#include "evidence_charts.h"
 #include "halflight/halflight.h"
 #include "inputs.h"
 #include "options.h"
@@ -82,7 +83,8 @@ static const hl_option options[] = {
     {"folds", "N", NULL, NULL, AT(settings), hl_fit_fields, 0},
     {"threads", "N", NULL, NULL, AT(settings), hl_fit_fields, 0},
     {"json", NULL, "Output", "print FIT.json on stdout and nothing else", AT(json), 0, 0},
-    {"out", "FIT.json", NULL, "write the fit there", AT(out), 0, 0},
+    {"out", "FIT.json|DIR/", NULL,
+     "write the fit there, or fit.json and what `report` shows into a folder", AT(out), 0, 0},
     {"plot", "FILE", NULL, "curves among their data: .png, .svg or .pdf", AT(plot), 0, 0},
 };
 
@@ -99,7 +101,7 @@ typedef struct fit_run {
   hl_samples samples;
   hl_fit fit;
   hl_outputs outputs;
-  int fit_at, plot_at; /* places in outputs; -1 = not asked for */
+  int fit_at, plot_at, evidence_at; /* places in outputs; -1 = not asked for */
   hl_picture_kind plot_kind;
 } fit_run;
 
@@ -133,7 +135,7 @@ static bool is_parametric(hl_fit_model model)
 static hl_status plan(hl_ctx *ctx, fit_run *r)
 {
   const fit_args *a = r->args;
-  r->fit_at = r->plot_at = -1;
+  r->fit_at = r->plot_at = r->evidence_at = -1;
   r->settings = a->settings;
   r->settings.free_curves = a->free_curves;
   hl_status st = read_model(ctx, a->model, &r->model);
@@ -149,7 +151,7 @@ static hl_status plan(hl_ctx *ctx, fit_run *r)
                  "directions",
                  a->model);
   if (st == HL_OK && a->out)
-    st = hl_outputs_add(ctx, &r->outputs, NULL, a->out, &r->fit_at);
+    st = hl_outputs_document(ctx, &r->outputs, a->out, "fit.json", &r->fit_at, &r->evidence_at);
   if (st == HL_OK && a->plot) {
     st = hl_picture_kind_of(ctx, "plot", a->plot, &r->plot_kind);
     if (st == HL_OK)
@@ -209,6 +211,8 @@ static hl_status write_and_print(hl_ctx *ctx, fit_run *r)
     st = write_fit(ctx, r);
   if (st == HL_OK && r->plot_at >= 0)
     st = hl_draw_fit(ctx, r->plot_kind, o->stage[r->plot_at], &r->fit, &r->samples);
+  if (st == HL_OK && r->evidence_at >= 0)
+    st = hl_evidence_of_fit(ctx, o->stage[r->evidence_at], &r->fit, &r->samples);
   if (st == HL_OK)
     st = print_result(ctx, r);
   if (st == HL_OK)
@@ -277,8 +281,14 @@ const hl_command hl_command_fit = {
     .n_options = sizeof options / sizeof *options,
     .notes = "Directions are in the samples' frame; a curve's argument is the cosine a.n.\n"
              "Exit status: 0 done, 1 failed, 2 wrong usage, 3 the answer is not to be trusted.",
-    .example = "  halflight fit samples.csv --model pursuit --terms 2 --light 1,1,1 \\\n"
-               "    --out fit.json --plot curves.png",
+    .example = "  $ halflight fit samples.csv --model dichromatic --light 1,1,1 \\\n"
+               "      --out fit.json --plot curves.png\n"
+               "  light          0.577350  0.577350  0.577350  given\n"
+               "  terms          0.577350  0.577350  0.577350  linear about s\n"
+               "                strength 1 0.5 0.2, gain 32.6 % of the variance\n"
+               "                 0.325058  0.325058  0.888074  lobe about h\n"
+               "                strength 0.9903 0.9903 0.9903, gain 21.5 % of the variance\n"
+               "  ...",
     .size = sizeof(fit_args),
     .defaults = defaults,
     .run = run,

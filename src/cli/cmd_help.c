@@ -57,7 +57,7 @@ const hl_command hl_command_help = {
     .n_operands = sizeof operands / sizeof *operands,
     .options = options,
     .n_options = sizeof options / sizeof *options,
-    .example = "  halflight help estimate --man | man -l -",
+    .example = "  $ halflight help info --man > halflight-info.1",
     .size = sizeof(help_args),
     .run = run,
 };

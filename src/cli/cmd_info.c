@@ -59,6 +59,10 @@ const hl_command hl_command_info = {
     .sentence = "Print the version, the features and the library versions.",
     .options = options,
     .n_options = sizeof options / sizeof *options,
+    .example = "  $ halflight info\n"
+               "  halflight 0.1.0\n"
+               "    jansson    2.14         cameras, balls and results as JSON\n"
+               "  ...",
     .size = sizeof(info_args),
     .run = run,
 };

@@ -108,7 +108,7 @@ static hl_status print_result(hl_ctx *ctx, const locate_run *r)
 static hl_status write_and_print(hl_ctx *ctx, locate_run *r)
 {
   hl_outputs *o = &r->outputs;
-  const hl_photo photo = {&r->frame, &r->camera, &r->sphere, NULL, NULL, &r->fit};
+  const hl_photo photo = {&r->frame, &r->camera, &r->sphere, NULL, NULL, &r->fit, false};
   hl_status st = hl_outputs_begin(ctx, o);
   if (st == HL_OK && r->sphere_at >= 0)
     st = hl_sphere_write(ctx, o->stage[r->sphere_at], &r->sphere, &r->fit);
@@ -151,8 +151,13 @@ const hl_command hl_command_locate = {
     .options = options,
     .n_options = sizeof options / sizeof *options,
     .notes = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 no ball that can be trusted.",
-    .example = "  halflight locate frame.png --camera camera.json --radius-m 0.025 \\\n"
-               "    --out sphere.json --picture outline.png",
+    .example = "  $ halflight locate frame.pfm --camera camera.json --radius-m 0.02 \\\n"
+               "      --out found.json --picture outline.png\n"
+               "  centre        0.002499 -0.001001 0.180009 m (x right, y down, z forward)\n"
+               "                +- 3.8e-06 3.3e-06 2.7e-05 m\n"
+               "  radius        0.02 m\n"
+               "  outline       centre 85.054, 57.275 px, radius 44.722 px\n"
+               "  ...",
     .size = sizeof(locate_args),
     .defaults = defaults,
     .run = run,

@@ -173,7 +173,10 @@ const hl_command hl_command_position = {
              "with --with near where the light is known to be.\n\n"
              "Exit status: 0 done, 1 failed, 2 wrong usage, 3 not to be trusted (too far, or\n"
              "the balls contradict each other).",
-    .example = "  halflight position left/light.json left.json right/light.json right.json",
+    .example = "  $ halflight position left-light.json left.json right-light.json right.json\n"
+               "  position      (0, 0, -0.4) m, +- (0.00077, 0.00074, 0.0026)\n"
+               "  distance      1 m from the balls' middle, 95 % within 0.995 and 1.005 m\n"
+               "  ...",
     .size = sizeof(position_args),
     .run = run,
 };

@@ -397,8 +397,9 @@ const hl_command hl_command_relight = {
     .notes = "Directions: of a FIT.json in its samples' frame (x right, y up, z to the\n"
              "viewer), of a LIGHT.json in the camera's (x right, y down, z forward).\n"
              "Exit status: 0 done, 1 failed, 2 wrong usage.",
-    .example = "  halflight relight out/light.json --light=-1,-1,-1 --sphere-px 200 \\\n"
-               "    --aim specular=1,0.3 --out relit.png",
+    .example = "  $ halflight relight out/light.json --light=-1,-1,-1 --sphere-px 100 \\\n"
+               "      --aim specular=1,0.3 --out relit.png\n"
+               "  drawn         200 x 200 px, 31428 of them on the surface, ...\n  ...",
     .size = sizeof(relight_args),
     .run = run,
 };

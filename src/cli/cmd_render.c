@@ -220,8 +220,9 @@ const hl_command hl_command_render = {
              "right, y down, z forward. Where the table was not measured a frame has NaN, and\n"
              "there is no sample.\n"
              "Exit status: 0 done, 1 failed, 2 wrong usage, 3 nothing lit is seen.",
-    .example = "  halflight render gold-metallic-paint.binary --light=1,1,1 --sphere-px 100 \\\n"
-               "    --out gold.csv",
+    .example = "  $ halflight render ball.binary --light=1,1,1 --sphere-px 50 --out ball.csv\n"
+               "  table         100.0 % of the cells above the horizon are measured\n"
+               "  ...",
     .size = sizeof(render_args),
     .defaults = defaults,
     .run = run,

@@ -1,6 +1,9 @@
 /* replay: a recorded session to the lights of its rig. */
 #define _XOPEN_SOURCE 700 // NOLINT(bugprone-reserved-identifier)
 #include <dirent.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,6 +33,7 @@ static const hl_operand operands[] = {
 static const hl_option options[] = {
     {"jobs", "N", "Work", NULL, AT(settings), hl_replay_fields, 0},
     {"pose-frames", "N", NULL, NULL, AT(settings), hl_replay_fields, 0},
+    {"pixels", "N", NULL, NULL, AT(settings.light), hl_light_fields, 0},
     {"no-joint", NULL, NULL, "keep the pose that the outlines give", AT(settings.no_joint), 0, 0},
     {"frame-by-frame", NULL, NULL, "nothing is shared: each frame has its own outline's pose",
      AT(settings.frame_by_frame), 0, 0},
@@ -70,8 +74,7 @@ static bool stop(void *user)
 
 static void progress(void *user, int done, int total)
 {
-  (void)user;
-  hl_progress(done, total, "frames");
+  hl_progress_on(user, done, total, "frames");
 }
 
 static hl_status plan_outputs(hl_ctx *ctx, replay_run *r)
@@ -141,6 +144,7 @@ static hl_status print_result(hl_ctx *ctx, const replay_run *r)
     trusted += l->light[i].found && l->light[i].trusted;
   }
   printf("lights        %d of %d frames, %d to be trusted\n", found, l->n, trusted);
+  hl_summary_dome(stdout, l);
   hl_summary_notes(stdout, "used", &l->used);
   hl_summary_notes(stdout, "left out", &l->left_out);
   printf("time          %.1f s, %.1f frames/s (%d reused)\n", 1e-3 * r->ms,
@@ -195,20 +199,39 @@ static hl_status report(hl_ctx *ctx, replay_run *r)
   return hl_fail(ctx, HL_ERR_RESIDUAL, "%s: not all to be trusted: %s", a->session, reasons);
 }
 
+/* Frames of one size come and go: their memory stays with the process rather than being mapped, cleared
+ * and unmapped for each. */
+static void keep_memory(void)
+{
+#ifdef __GLIBC__
+  enum { LARGEST = 1 << 25 };
+  mallopt(M_MMAP_THRESHOLD, LARGEST);
+  mallopt(M_TRIM_THRESHOLD, 4 * LARGEST);
+#endif
+}
+
 static hl_status replay(hl_ctx *ctx, replay_run *r)
 {
-  const hl_replay_watch watch = {progress, stop, NULL};
+  /* standard error is held back for as long as some frame is decoded: the bar has its own */
+  const int copy = dup(STDERR_FILENO);
+  FILE *bar = copy >= 0 ? fdopen(copy, "w") : NULL;
+  const hl_replay_watch watch = {progress, stop, bar};
   struct sigaction act, old_int, old_term;
   memset(&act, 0, sizeof act);
   act.sa_handler = interrupt;
   interrupted = 0;
+  keep_memory();
   sigaction(SIGINT, &act, &old_int);
   sigaction(SIGTERM, &act, &old_term);
   const double start = hl_inputs_clock_ms();
   const hl_status st = hl_replay(ctx, &r->session, r->args->out, &r->args->settings, &watch,
                                  &r->summary, &r->lights);
   r->ms = hl_inputs_clock_ms() - start;
-  hl_progress(1, 1, ""); /* the bar goes */
+  hl_progress_on(bar, 1, 1, ""); /* the bar goes */
+  if (bar)
+    fclose(bar);
+  else if (copy >= 0)
+    close(copy);
   sigaction(SIGINT, &old_int, NULL);
   sigaction(SIGTERM, &old_term, NULL);
   return st;
@@ -247,7 +270,9 @@ const hl_command hl_command_replay = {
              "--jobs.\n"
              "Exit status: 0 every frame gave a light to be trusted, 1 failed or interrupted, 2 "
              "wrong usage,\n3 some frames did not (the others' lights are written).",
-    .example = "  halflight replay dome/ --out dome-lights",
+    .example = "  $ halflight replay session --out replayed\n"
+               "  lights        1 of 1 frames, 1 to be trusted\n"
+               "  ...",
     .size = sizeof(replay_args),
     .defaults = defaults,
     .run = run,

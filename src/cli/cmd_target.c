@@ -97,7 +97,10 @@ const hl_command hl_command_target = {
              "chessboard's inner corners. Print at 100 % and measure; where the print is off,\n"
              "calibrate with the size of the tag or square as it was measured.\n"
              "Exit status: 0 done, 1 failed, 2 wrong usage.",
-    .example = "  halflight target aprilgrid:6x6:0.03:0.3 --page a3 --out target.pdf",
+    .example = "  $ halflight target aprilgrid:6x6:0.03:0.3 --page a3 --out target.pdf\n"
+               "  target   aprilgrid:6x6:0.03:0.3, 144 corners, 2-bit border\n"
+               "  corners  first to last 225 mm across, 225 mm down\n"
+               "  sheet    297.0 x 420.0 mm",
     .size = sizeof(target_args),
     .run = run,
 };

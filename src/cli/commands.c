@@ -8,7 +8,8 @@ const hl_command *const hl_commands[] = {
     &hl_command_estimate,  &hl_command_locate,  &hl_command_position, &hl_command_fit,
     &hl_command_relight,   &hl_command_brdf,    &hl_command_render,   &hl_command_target,
     &hl_command_calibrate, &hl_command_capture, &hl_command_replay,   &hl_command_drift,
-    &hl_command_convert,   &hl_command_bench,   &hl_command_info,     &hl_command_help,
+    &hl_command_report,    &hl_command_convert, &hl_command_bench,    &hl_command_info,
+    &hl_command_help,
 };
 
 const int hl_commands_count = sizeof hl_commands / sizeof hl_commands[0];

@@ -19,6 +19,7 @@ extern const hl_command hl_command_position;
 extern const hl_command hl_command_relight;
 extern const hl_command hl_command_render;
 extern const hl_command hl_command_replay;
+extern const hl_command hl_command_report;
 extern const hl_command hl_command_target;
 
 extern const hl_command *const hl_commands[];

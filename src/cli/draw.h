@@ -5,6 +5,7 @@
 #include <cairo.h>
 
 #include "halflight/halflight.h"
+#include "palette.h"
 
 typedef enum hl_picture_kind { HL_PICTURE_PNG, HL_PICTURE_SVG, HL_PICTURE_PDF } hl_picture_kind;
 
@@ -42,10 +43,15 @@ typedef struct hl_photo {
   const hl_surface *surface; /* may be NULL */
   const hl_light *light;
   const hl_sphere_fit *fit; /* may be NULL */
+  bool bare;                /* smaller, and without the caption */
 } hl_photo;
 
-/* The photo, developed for viewing, with outline, highlight, light arrow and 95 % ellipse. */
-hl_status hl_draw_frame(hl_ctx *ctx, hl_picture_kind kind, const char *path, const hl_photo *photo);
+/* The photo, developed for viewing, with outline, highlight, light arrow and 95 % ellipse; `data` is an
+ * hl_photo. */
+hl_status hl_draw_frame(hl_ctx *ctx, hl_picture_kind kind, const char *path, const void *data);
+
+/* So many times as large the ellipse is drawn on the photo; 0 where it is not. */
+int hl_photo_ellipse_factor(const hl_photo *photo);
 
 enum { HL_CAPTION_LINE = 27 }; /* height of one line of the caption */
 
@@ -57,10 +63,6 @@ void hl_draw_caption(const hl_canvas *canvas, const hl_photo *photo, int factor,
 /* The curves of a fit, a panel a term, among what the samples leave for each. */
 hl_status hl_draw_fit(hl_ctx *ctx, hl_picture_kind kind, const char *path, const hl_fit *fit,
                       const hl_samples *samples);
-
-/* The fitted curves against their angles. */
-hl_status hl_draw_curves(hl_ctx *ctx, hl_picture_kind kind, const char *path,
-                         const hl_light *light);
 
 /* The projection difference over the frame, or a board's corners, with the verdict above it. */
 hl_status hl_draw_drift(hl_ctx *ctx, hl_picture_kind kind, const char *path, const hl_drift *drift,

@@ -39,7 +39,7 @@ static void draw_axes(const chart *c)
   char text[32];
   for (int d = (int)c->x_from; d <= (int)c->x_to; d++) {
     const double x = floor(x_on(c, pow(10, d))) + 0.5;
-    cairo_set_source_rgb(cr, 0.88, 0.88, 0.88);
+    cairo_set_source_rgb(cr, HL_GRID_GREY);
     cairo_move_to(cr, x, TOP);
     cairo_line_to(cr, x, BOTTOM);
     cairo_stroke(cr);
@@ -49,7 +49,7 @@ static void draw_axes(const chart *c)
   }
   for (int d = (int)c->y_from; d <= (int)c->y_to; d++) {
     const double y = floor(y_on(c, pow(10, d))) + 0.5;
-    cairo_set_source_rgb(cr, 0.88, 0.88, 0.88);
+    cairo_set_source_rgb(cr, HL_GRID_GREY);
     cairo_move_to(cr, LEFT, y);
     cairo_line_to(cr, RIGHT, y);
     cairo_stroke(cr);
@@ -75,7 +75,7 @@ static void draw_front(const chart *c)
   cairo_set_line_width(cr, 2);
   for (;;) {
     const hl_bench_row *next = NULL;
-    for (int m = 0; m < hl_bench_methods_count; m++) {
+    for (int m = 0; m < c->table->n_methods; m++) {
       const hl_bench_row *r = c->table->row + m;
       if (r->front && r->time_ms > reached && (!next || r->time_ms < next->time_ms))
         next = r;
@@ -142,21 +142,21 @@ static void label(chart *c, const hl_bench_row *r)
 static void draw_marks(chart *c)
 {
   cairo_t *cr = c->canvas->cr;
-  for (int m = 0; m < hl_bench_methods_count; m++) {
+  for (int m = 0; m < c->table->n_methods; m++) {
     const hl_bench_row *r = c->table->row + m;
     const double x = x_on(c, r->time_ms), y = y_on(c, r->median_deg);
     take(c, (box){x - MARK, y - MARK, x + MARK, y + MARK});
     if (r->method->ours) {
-      cairo_set_source_rgb(cr, 0, 0.447, 0.698);
+      cairo_set_source_rgb(cr, HL_BLUE);
       cairo_arc(cr, x, y, MARK, 0, TAU);
     } else {
-      cairo_set_source_rgb(cr, 0.835, 0.369, 0);
+      cairo_set_source_rgb(cr, HL_VERMILLION);
       cairo_rectangle(cr, x - MARK, y - MARK, 2 * MARK, 2 * MARK);
     }
     cairo_fill(cr);
   }
   cairo_set_source_rgb(cr, 0.15, 0.15, 0.15);
-  for (int m = 0; m < hl_bench_methods_count; m++)
+  for (int m = 0; m < c->table->n_methods; m++)
     label(c, c->table->row + m);
 }
 
@@ -168,7 +168,7 @@ hl_status hl_draw_bench(hl_ctx *ctx, hl_picture_kind kind, const char *path,
   if (st != HL_OK)
     return st;
   chart c = {.canvas = &canvas, .table = table, .x_from = 9, .x_to = -9, .y_from = 9, .y_to = -9};
-  for (int m = 0; m < hl_bench_methods_count; m++) {
+  for (int m = 0; m < table->n_methods; m++) {
     const double x = log10(fmax(table->row[m].time_ms, 1e-4));
     const double y = log10(fmax(table->row[m].median_deg, 1e-4));
     c.x_from = fmin(c.x_from, floor(x));

@@ -47,7 +47,7 @@ static double y_on(const panel *p, double y)
 
 static void ink(cairo_t *cr)
 {
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
 }
 
 static void frame_line(const hl_canvas *canvas, const panel *p)
@@ -93,13 +93,13 @@ static void draw_corner(const hl_canvas *canvas, const panel *p, const hl_corner
   cairo_move_to(cr, x, y);
   cairo_line_to(cr, x + dx, y + dy);
   if (cut)
-    cairo_set_source_rgb(cr, 0.835, 0.369, 0);
+    cairo_set_source_rgb(cr, HL_VERMILLION);
   else
-    cairo_set_source_rgba(cr, 0, 0.447, 0.698, 0.75);
+    cairo_set_source_rgba(cr, HL_BLUE, 0.75);
   cairo_set_line_width(cr, cut ? 1.8 : 0.9);
   cairo_stroke(cr);
   cairo_arc(cr, x, y, 1.1, 0, 7);
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
   cairo_fill(cr);
 }
 
@@ -152,16 +152,12 @@ static void band_colour(cairo_t *cr, int band)
   cairo_set_source_rgb(cr, 0.95 - 0.93 * t, 0.97 - 0.70 * t, 1 - 0.55 * t);
 }
 
-/* Ends of the bands in 1-2-5 steps, the last one below the largest deviation. */
+/* Ends of the bands in equal, round steps from 0, the largest deviation within the last ones. */
 static void band_ends(double most, double ends[BANDS_MAX])
 {
-  static const double down[3] = {2, 2, 2.5}; /* from 1 x 10^n to 5, from 2 to 1, from 5 to 2 */
-  double end = hl_canvas_step(most > 0 ? most : 1);
-  for (int i = BANDS_MAX - 1; i >= 0; i--) {
-    const double mantissa = end / pow(10, floor(log10(end) + 1e-9));
-    end /= down[mantissa > 4 ? 2 : mantissa > 1.5 ? 1 : 0];
-    ends[i] = end;
-  }
+  const double step = hl_canvas_step((most > 0 ? most : 1) / BANDS_MAX);
+  for (int i = 0; i < BANDS_MAX; i++)
+    ends[i] = (i + 1) * step;
 }
 
 static int band_of(double value, const double ends[BANDS_MAX])
@@ -243,7 +239,7 @@ static void draw_axis(const hl_canvas *canvas, double left, double right, double
     const double y = bottom - (bottom - top) * i * step / most;
     cairo_move_to(cr, left, floor(y) + 0.5);
     cairo_line_to(cr, right, floor(y) + 0.5);
-    cairo_set_source_rgb(cr, 0.88, 0.88, 0.88);
+    cairo_set_source_rgb(cr, HL_GRID_GREY);
     cairo_set_line_width(cr, 1);
     cairo_stroke(cr);
     snprintf(text, sizeof text, "%.3g", i * step);
@@ -271,9 +267,9 @@ static void draw_views(const hl_canvas *canvas, const hl_calibration *c)
     char text[16];
     cairo_rectangle(cr, left + (i + 0.15) * room, bottom - height, 0.7 * room, height);
     if (v->used)
-      cairo_set_source_rgb(cr, 0, 0.447, 0.698);
+      cairo_set_source_rgb(cr, HL_BLUE);
     else
-      cairo_set_source_rgb(cr, 0.835, 0.369, 0);
+      cairo_set_source_rgb(cr, HL_VERMILLION);
     cairo_fill(cr);
     snprintf(text, sizeof text, "%d", i + 1);
     ink(cr);

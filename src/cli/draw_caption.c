@@ -44,7 +44,7 @@ static void legend_entry(const hl_canvas *canvas, double width, double pen[2], h
     cairo_restore(cr);
     hl_marks_stroke(cr, HL_INK_ELLIPSE, 1.4);
   }
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
   hl_canvas_text(canvas, x + 34, pen[1], 0, TEXT, text);
   pen[0] = x + 34 + extents.x_advance + 26;
 }
@@ -78,7 +78,7 @@ void hl_draw_caption(const hl_canvas *canvas, const hl_photo *p, int factor, dou
   const bool lit = p->light && p->light->found;
   char text[HL_MESSAGE_MAX + 40];
   double pen[2] = {MARGIN, top + LINE};
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
   if (lit) {
     describe_light(p->light, text, sizeof text);
     caption_line(canvas, width, pen[1], text);

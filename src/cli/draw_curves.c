@@ -1,17 +1,17 @@
 /* The fitted curves: specular lobe against the angle from n to h, diffuse term against the angle
- * from n to the light, a panel each, a line a channel. Colours are Okabe and Ito's, which readers
- * with any colour vision can tell apart; the dashes say the same without colour. */
+ * from n to the light, a panel each, a line a channel, among what the pixels leave for each. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "draw.h"
+#include "draw_curves.h"
 
-enum { WIDTH = 1000, HEIGHT = 500, PANELS_MAX = 2 };
+enum { WIDTH = 1000, HEIGHT = 500, ALONE_WIDTH = 470, ALONE_HEIGHT = 380, PANELS_MAX = 2 };
 
 static const double DEGREES = 180 / 3.14159265358979323846;
 static const double TITLE_TEXT = 16;
 static const double TEXT = 14;
+static const double DOT = 2.2;
 static const double LOG_FROM = 50;     /* dynamic range from which the axis is logarithmic */
 static const double DECADES = 4;       /* most that a logarithmic axis shows */
 static const double TAIL_SHARE = 2e-3; /* the angle axis ends where the lobe has faded to this */
@@ -25,10 +25,10 @@ typedef struct channel_style {
 } channel_style;
 
 static const channel_style styles[] = {
-    {"r", "red", 0.835, 0.369, 0, {0}, 0},
-    {"g", "green", 0, 0.62, 0.451, {9, 4}, 2},
-    {"b", "blue", 0, 0.447, 0.698, {2, 4}, 2},
-    {"grey", "grey", 0.2, 0.2, 0.2, {0}, 0},
+    {"r", "red", HL_VERMILLION, {0}, 0},
+    {"g", "green", HL_GREEN, {9, 4}, 2},
+    {"b", "blue", HL_BLUE, {2, 4}, 2},
+    {"grey", "grey", HL_DATA_GREY, {0}, 0},
 };
 
 static const channel_style *style_of(const char *channel)
@@ -41,6 +41,7 @@ static const channel_style *style_of(const char *channel)
 
 typedef struct panel {
   const hl_light *light;
+  const hl_curve_cloud *cloud; /* may be NULL */
   const char *lobe, *title, *x_label, *y_label;
   double left, right, top, bottom; /* of the plot area, on the sheet */
   double x_max, y_min, y_max;
@@ -108,7 +109,7 @@ static double y_on(const panel *p, double value)
 
 static void grid_line(cairo_t *cr, double x0, double y0, double x1, double y1)
 {
-  cairo_set_source_rgb(cr, 0.88, 0.88, 0.88);
+  cairo_set_source_rgb(cr, HL_GRID_GREY);
   cairo_set_line_width(cr, 1);
   cairo_move_to(cr, floor(x0) + 0.5, floor(y0) + 0.5);
   cairo_line_to(cr, floor(x1) + 0.5, floor(y1) + 0.5);
@@ -150,7 +151,7 @@ static void draw_axes(const hl_canvas *canvas, const panel *p)
   cairo_set_line_width(cr, 1.2);
   cairo_rectangle(cr, p->left, p->top, p->right - p->left, p->bottom - p->top);
   cairo_stroke(cr);
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
   hl_canvas_text(canvas, (p->left + p->right) / 2, p->bottom + 44, 0.5, TEXT, p->x_label);
   cairo_save(cr);
   cairo_translate(cr, p->left - 62, (p->top + p->bottom) / 2);
@@ -173,6 +174,33 @@ static void draw_line(const hl_canvas *canvas, const panel *p, const hl_curve *c
   cairo_set_line_width(cr, 2.2);
   cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
   cairo_stroke(cr);
+  cairo_restore(cr);
+}
+
+static void draw_cloud(const hl_canvas *canvas, const panel *p)
+{
+  static const char *const color[] = {"r", "g", "b"};
+  cairo_t *cr = canvas->cr;
+  const int channels = p->light->channels;
+  if (p->cloud->n == 0)
+    return;
+  cairo_save(cr);
+  cairo_rectangle(cr, p->left, p->top, p->right - p->left, p->bottom - p->top);
+  cairo_clip(cr);
+  cairo_set_line_width(cr, DOT);
+  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+  for (int c = 0; c < channels && c < HL_CHANNELS_MAX; c++) {
+    const channel_style *style = style_of(channels == 1 ? "grey" : color[c]);
+    for (int i = 0; i < p->cloud->n; i++) {
+      const double deg = p->cloud->angle_rad[i] * DEGREES, value = p->cloud->value[i][c];
+      if (deg > p->x_max || value > p->y_max || value < p->y_min)
+        continue;
+      cairo_move_to(cr, x_on(p, deg), y_on(p, value));
+      cairo_line_to(cr, x_on(p, deg), y_on(p, value));
+    }
+    cairo_set_source_rgba(cr, style->r, style->g, style->b, 0.4);
+    cairo_stroke(cr);
+  }
   cairo_restore(cr);
 }
 
@@ -200,7 +228,7 @@ static void draw_legend(const hl_canvas *canvas, const panel *p)
     cairo_line_to(cr, x + 36, y - 5);
     cairo_stroke(cr);
     cairo_restore(cr);
-    cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+    cairo_set_source_rgb(cr, HL_TEXT_GREY);
     hl_canvas_text(canvas, x + 46, y, 0, TEXT, style->name);
     y += 22;
   }
@@ -210,49 +238,65 @@ static void draw_panel(const hl_canvas *canvas, panel *p)
 {
   find_ranges(p);
   draw_axes(canvas, p);
+  if (p->cloud)
+    draw_cloud(canvas, p);
   for (int i = 0; i < p->light->n_curves; i++)
     if (shows(p, &p->light->curves[i]))
       draw_line(canvas, p, &p->light->curves[i]);
   draw_legend(canvas, p);
-  cairo_set_source_rgb(canvas->cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(canvas->cr, HL_TEXT_GREY);
   hl_canvas_text(canvas, p->left, p->top - 14, 0, TITLE_TEXT, p->title);
 }
 
-hl_status hl_draw_curves(hl_ctx *ctx, hl_picture_kind kind, const char *path, const hl_light *light)
+/* The panels that have curves, and the lobe asked for. */
+static int choose(const hl_curve_sheet *sheet, panel shown[PANELS_MAX + 1])
 {
-  const bool divided = light->lobe == HL_LOBE_FORESHORTENED;
+  const bool divided = sheet->light->lobe == HL_LOBE_FORESHORTENED;
   const panel both[PANELS_MAX] = {
       {.lobe = "specular",
        .title = divided ? "Specular lobe, before its factor 1/(n\302\267v)" : "Specular lobe",
-       .x_label = "angle between n and h [deg]"},
-      {.lobe = "diffuse", .title = "Diffuse term", .x_label = "angle between n and light [deg]"},
+       .x_label = "angle between n and h [deg]",
+       .cloud = sheet->specular},
+      {.lobe = "diffuse",
+       .title = "Diffuse term",
+       .x_label = "angle between n and light [deg]",
+       .cloud = sheet->diffuse},
   };
-  panel shown[PANELS_MAX];
   int n = 0;
   for (int i = 0; i < PANELS_MAX; i++) {
-    shown[n] = both[i];
-    shown[n].light = light;
     bool any = false;
-    for (int k = 0; k < light->n_curves; k++)
-      any = any || shows(&shown[n], &light->curves[k]);
-    n += any;
+    shown[n] = both[i];
+    shown[n].light = sheet->light;
+    for (int k = 0; k < sheet->light->n_curves; k++)
+      any = any || shows(&shown[n], &sheet->light->curves[k]);
+    n += any && (!sheet->lobe || strcmp(sheet->lobe, both[i].lobe) == 0);
   }
+  return n;
+}
+
+hl_status hl_draw_curves(hl_ctx *ctx, hl_picture_kind kind, const char *path, const void *data)
+{
+  const hl_curve_sheet *sheet = data;
+  const double width = sheet->lobe ? ALONE_WIDTH : WIDTH;
+  const double height = sheet->lobe ? ALONE_HEIGHT : HEIGHT;
+  panel shown[PANELS_MAX + 1] = {{0}};
+  const int n = choose(sheet, shown);
   hl_canvas canvas;
-  const hl_status st = hl_canvas_open(ctx, &canvas, kind, path, WIDTH, HEIGHT);
+  const hl_status st = hl_canvas_open(ctx, &canvas, kind, path, width, height);
   if (st != HL_OK)
     return st;
   for (int i = 0; i < n; i++) {
-    const double share = (double)WIDTH / n;
+    const double share = width / n;
     shown[i].left = i * share + 92;
     shown[i].right = (i + 1) * share - 24;
     shown[i].top = 48;
-    shown[i].bottom = HEIGHT - 66;
+    shown[i].bottom = height - 66;
     shown[i].y_label = "radiance [frame's linear units]";
     draw_panel(&canvas, &shown[i]);
   }
   if (n == 0) {
-    cairo_set_source_rgb(canvas.cr, 0.1, 0.1, 0.1);
-    hl_canvas_text(&canvas, WIDTH / 2.0, HEIGHT / 2.0, 0.5, TITLE_TEXT, "no curves were fitted");
+    cairo_set_source_rgb(canvas.cr, HL_TEXT_GREY);
+    hl_canvas_text(&canvas, width / 2, height / 2, 0.5, TITLE_TEXT, "no curves were fitted");
   }
   return hl_canvas_close(ctx, &canvas);
 }

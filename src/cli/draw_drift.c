@@ -236,7 +236,7 @@ static void draw_scale(const heat_map *m)
                     m->height / BAR_STEPS + 0.5);
     cairo_fill(cr);
   }
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
   for (int i = 0; i <= 5; i++) {
     snprintf(text, sizeof text, "%.3g", m->most_px * i / 5);
     hl_canvas_text(m->canvas, x + BAR_WIDTH + 6,
@@ -264,7 +264,7 @@ static void draw_legend(const heat_map *m, double y)
   const double from[2] = {MARGIN, y - 5}, to[2] = {MARGIN + unit * m->arrow, y - 5};
   char text[120];
   draw_arrow(cr, from, to, true);
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
   snprintf(text, sizeof text, "arrows: this is %.3g px; broad beyond the 95 %% uncertainty%s", unit,
            d->columns > 0 ? "," : "");
   hl_canvas_text(m->canvas, to[0] + 10, y, 0, TEXT, text);
@@ -276,7 +276,7 @@ static void draw_legend(const heat_map *m, double y)
   cairo_move_to(cr, x, y - 5);
   cairo_line_to(cr, x + 26, y - 5);
   hl_marks_stroke(cr, HL_INK_OUTLINE, 1.8);
-  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(cr, HL_TEXT_GREY);
   hl_canvas_text(m->canvas, x + 34, y, 0, TEXT, "where that begins");
 }
 
@@ -290,7 +290,7 @@ static void draw_captions(const heat_map *m, const char *verdict)
     seen += !isnan(d->sigma_px[k]);
     sure += excess(d, k) > 0;
   }
-  cairo_set_source_rgb(m->canvas->cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(m->canvas->cr, HL_TEXT_GREY);
   caption(m, MARGIN + TEXT, verdict);
   snprintf(text, sizeof text,
            "%s: mean %.3g px, largest %.3g px; beyond its 95 %% uncertainty at %d of %d points",

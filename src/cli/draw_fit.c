@@ -20,11 +20,11 @@ typedef struct channel_style {
 } channel_style;
 
 static const channel_style colours[] = {
-    {"red", 0.835, 0.369, 0, {0}, 0},
-    {"green", 0, 0.62, 0.451, {9, 4}, 2},
-    {"blue", 0, 0.447, 0.698, {2, 4}, 2},
+    {"red", HL_VERMILLION, {0}, 0},
+    {"green", HL_GREEN, {9, 4}, 2},
+    {"blue", HL_BLUE, {2, 4}, 2},
 };
-static const channel_style grey = {"grey", 0.2, 0.2, 0.2, {0}, 0};
+static const channel_style grey = {"grey", HL_DATA_GREY, {0}, 0};
 
 static const channel_style *style_of(int channels, int c)
 {
@@ -101,7 +101,7 @@ static void find_ranges(panel *p)
 
 static void line(cairo_t *cr, double x0, double y0, double x1, double y1)
 {
-  cairo_set_source_rgb(cr, 0.88, 0.88, 0.88);
+  cairo_set_source_rgb(cr, HL_GRID_GREY);
   cairo_set_line_width(cr, 1);
   cairo_move_to(cr, floor(x0) + 0.5, floor(y0) + 0.5);
   cairo_line_to(cr, floor(x1) + 0.5, floor(y1) + 0.5);
@@ -177,7 +177,7 @@ static void draw_title(const hl_canvas *canvas, const panel *p)
   else
     snprintf(text, sizeof text, "%s about (%.3f, %.3f, %.3f)%s",
              term->role == HL_TERM_LINEAR ? "Linear" : "Lobe", a[0], a[1], a[2], by);
-  cairo_set_source_rgb(canvas->cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(canvas->cr, HL_TEXT_GREY);
   hl_canvas_text(canvas, p->left, p->top - 14, 0, TITLE_TEXT, text);
 }
 

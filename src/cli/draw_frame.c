@@ -13,7 +13,7 @@
 #include "halflight/vec3.h"
 #include "marks.h"
 
-enum { LONGER_SIDE = 960, OUTLINE_POINTS = 240, ELLIPSE_POINTS = 72, ROUNDS = 60 };
+enum { LONGER_SIDE = 960, BARE_SIDE = 620, OUTLINE_POINTS = 240, ELLIPSE_POINTS = 72, ROUNDS = 60 };
 
 static const double PI = 3.14159265358979323846;
 static const double CHI_95 = 2.4477468306808162; /* sqrt(5.9914645471079799) */
@@ -218,37 +218,60 @@ static hl_status paint_photo(hl_ctx *ctx, const scene *s, int shrink)
   return HL_OK;
 }
 
-hl_status hl_draw_frame(hl_ctx *ctx, hl_picture_kind kind, const char *path, const hl_photo *photo)
+static int longer_side(const hl_photo *photo)
 {
-  const hl_frame *frame = photo->frame;
-  const int longer = frame->width > frame->height ? frame->width : frame->height;
-  const double zoom = (double)LONGER_SIDE / longer;
-  const double width = ceil(frame->width * zoom);
-  const double height = ceil(frame->height * zoom);
-  const double sheet_width = fmax(width, 640);
+  return photo->frame->width > photo->frame->height ? photo->frame->width : photo->frame->height;
+}
+
+static double zoom_of(const hl_photo *photo)
+{
+  return (double)(photo->bare ? BARE_SIDE : LONGER_SIDE) / longer_side(photo);
+}
+
+int hl_photo_ellipse_factor(const hl_photo *photo)
+{
+  scene s = {.photo = photo, .zoom = zoom_of(photo)};
+  return photo->light && photo->light->found && find_highlight(&s) ? choose_factor(&s) : 0;
+}
+
+static void draw_marks(scene *s, double width, double height)
+{
+  cairo_t *cr = s->canvas->cr;
+  cairo_save(cr);
+  cairo_rectangle(cr, 0, 0, width, height);
+  cairo_clip(cr);
+  if (s->photo->sphere)
+    draw_outline(s);
+  s->has_light = s->photo->light && s->photo->light->found && find_highlight(s);
+  if (s->has_light) {
+    draw_way_to_light(s);
+    draw_ellipse(s);
+    hl_marks_cross(cr, s->mark[0], s->mark[1]);
+  }
+  cairo_restore(cr);
+}
+
+hl_status hl_draw_frame(hl_ctx *ctx, hl_picture_kind kind, const char *path, const void *data)
+{
+  const hl_photo *photo = data;
+  const double zoom = zoom_of(photo);
+  const double width = ceil(photo->frame->width * zoom);
+  const double height = ceil(photo->frame->height * zoom);
+  const double sheet_width = photo->bare ? width : fmax(width, 640);
   const bool lit = photo->light && photo->light->found;
   const int legend_lines = lit && sheet_width < 930 ? 2 : 1;
   const int lines = 1 + (lit && !photo->light->trusted) + legend_lines;
+  const double below = photo->bare ? 0 : lines * HL_CAPTION_LINE + 14;
   hl_canvas canvas;
-  hl_status st =
-      hl_canvas_open(ctx, &canvas, kind, path, sheet_width, height + lines * HL_CAPTION_LINE + 14);
+  hl_status st = hl_canvas_open(ctx, &canvas, kind, path, sheet_width, height + below);
   if (st != HL_OK)
     return st;
   scene s = {.photo = photo, .canvas = &canvas, .zoom = zoom};
-  st = paint_photo(ctx, &s, (longer + 2 * LONGER_SIDE - 1) / (2 * LONGER_SIDE));
-  cairo_save(canvas.cr);
-  cairo_rectangle(canvas.cr, 0, 0, width, height);
-  cairo_clip(canvas.cr);
-  if (photo->sphere)
-    draw_outline(&s);
-  s.has_light = photo->light && photo->light->found && find_highlight(&s);
-  if (s.has_light) {
-    draw_way_to_light(&s);
-    draw_ellipse(&s);
-    hl_marks_cross(canvas.cr, s.mark[0], s.mark[1]);
-  }
-  cairo_restore(canvas.cr);
-  hl_draw_caption(&canvas, photo, s.factor, sheet_width, height);
+  const int doubled = photo->bare ? BARE_SIDE : 2 * LONGER_SIDE;
+  st = paint_photo(ctx, &s, (longer_side(photo) + doubled - 1) / doubled);
+  draw_marks(&s, width, height);
+  if (!photo->bare)
+    hl_draw_caption(&canvas, photo, s.factor, sheet_width, height);
   const hl_status closed = hl_canvas_close(st == HL_OK ? ctx : NULL, &canvas);
   return st == HL_OK ? closed : st;
 }

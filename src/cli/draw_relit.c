@@ -94,7 +94,7 @@ static bool paint(const hl_canvas *canvas, const hl_frame *frame, double factor,
   cairo_pattern_set_filter(cairo_get_source(canvas->cr), CAIRO_FILTER_NEAREST);
   cairo_paint(canvas->cr);
   cairo_restore(canvas->cr);
-  cairo_set_source_rgb(canvas->cr, 0.1, 0.1, 0.1);
+  cairo_set_source_rgb(canvas->cr, HL_TEXT_GREY);
   hl_canvas_text(canvas, left, GAP + zoom * frame->height + 20, 0, 14, title);
   cairo_surface_destroy(image);
   return true;

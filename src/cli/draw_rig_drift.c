@@ -22,12 +22,12 @@ typedef struct rig_map {
 
 static void blue(cairo_t *cr)
 {
-  cairo_set_source_rgb(cr, 0, 0.447, 0.698);
+  cairo_set_source_rgb(cr, HL_BLUE);
 }
 
 static void vermilion(cairo_t *cr)
 {
-  cairo_set_source_rgb(cr, 0.835, 0.369, 0);
+  cairo_set_source_rgb(cr, HL_VERMILLION);
 }
 
 static void grey(cairo_t *cr, double level)

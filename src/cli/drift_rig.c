@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "outputs.h"
+#include "evidence_charts.h"
 
 enum { PATH_ROOM = 4200 };
 
@@ -47,10 +47,11 @@ static hl_status read_lights(hl_ctx *ctx, const char *path, hl_lights *out)
   snprintf(name, sizeof name, "%s/lights.json", path);
   if (exists(name) || !session)
     return hl_lights_read(ctx, name, out);
-  return hl_fail(ctx, HL_ERR_FORMAT,
-                 "%s is a recorded session without lights.json; replay it first, and compare the "
-                 "folders that replay wrote",
-                 path);
+  return hl_fail(
+      ctx, HL_ERR_FORMAT,
+      "%s is a recorded session without lights.json; replay it first (halflight replay %s "
+      "--out %.*s-lights), and compare the folders that replay wrote",
+      path, path, (int)(strlen(path) - (path[strlen(path) - 1] == '/')), path);
 }
 
 /* Exit status 3 says drifted and nothing else; what could not be compared is a failure. */
@@ -77,12 +78,31 @@ static hl_status print_result(hl_ctx *ctx, const rig_command *c)
   return st;
 }
 
+static hl_status write_document(hl_ctx *ctx, const rig_command *c, const char *path)
+{
+  char *text = NULL;
+  hl_status st = hl_rig_drift_json(ctx, &c->drift, &text);
+  if (st == HL_OK)
+    st = hl_file_write(ctx, path, text, strlen(text));
+  free(text);
+  return st;
+}
+
+hl_status hl_drift_plan(hl_ctx *ctx, hl_outputs *outputs, const char *folder, int *document,
+                        int *evidence)
+{
+  hl_status st = hl_outputs_folder(ctx, outputs, folder);
+  if (st == HL_OK)
+    st = hl_outputs_add(ctx, outputs, folder, "drift.json", document);
+  return st == HL_OK ? hl_outputs_add(ctx, outputs, folder, "evidence.json", evidence) : st;
+}
+
 static hl_status write_and_print(hl_ctx *ctx, rig_command *c)
 {
   hl_outputs *o = &c->outputs;
   hl_picture_kind kind = HL_PICTURE_PNG;
   char verdict[HL_MESSAGE_MAX];
-  int at = -1;
+  int at = -1, document_at = -1, evidence_at = -1;
   hl_summary_rig_verdict(&c->drift, verdict, sizeof verdict);
   hl_status st = HL_OK;
   if (c->args->picture) {
@@ -90,8 +110,14 @@ static hl_status write_and_print(hl_ctx *ctx, rig_command *c)
     if (st == HL_OK)
       st = hl_outputs_add(ctx, o, NULL, c->args->picture, &at);
   }
+  if (st == HL_OK && c->args->out)
+    st = hl_drift_plan(ctx, o, c->args->out, &document_at, &evidence_at);
   if (st == HL_OK)
     st = hl_outputs_begin(ctx, o);
+  if (st == HL_OK && document_at >= 0)
+    st = write_document(ctx, c, o->stage[document_at]);
+  if (st == HL_OK && evidence_at >= 0)
+    st = hl_evidence_of_rig_drift(ctx, o->stage[evidence_at], &c->drift, &c->reference, verdict);
   if (st == HL_OK && at >= 0)
     st = hl_draw_rig_drift(ctx, kind, o->stage[at], &c->drift, &c->reference, verdict);
   if (st == HL_OK)

@@ -3,15 +3,17 @@
 
 #include <math.h>
 
+#include "palette.h"
+
 static const double PI = 3.14159265358979323846;
 
 void hl_marks_stroke(cairo_t *cr, hl_ink ink, double width)
 {
   static const double rgb[][3] = {
-      {0.34, 0.71, 0.91}, /* HL_INK_OUTLINE */
-      {1, 1, 1},          /* HL_INK_HIGHLIGHT */
-      {1, 0.87, 0.2},     /* HL_INK_LIGHT */
-      {1, 0.45, 0.12},    /* HL_INK_ELLIPSE */
+      {HL_SKY_BLUE},   /* HL_INK_OUTLINE */
+      {1, 1, 1},       /* HL_INK_HIGHLIGHT */
+      {1, 0.87, 0.2},  /* HL_INK_LIGHT */
+      {1, 0.45, 0.12}, /* HL_INK_ELLIPSE */
   };
   cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);

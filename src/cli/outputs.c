@@ -135,6 +135,22 @@ hl_status hl_outputs_add(hl_ctx *ctx, hl_outputs *outputs, const char *folder, c
   return HL_OK;
 }
 
+hl_status hl_outputs_document(hl_ctx *ctx, hl_outputs *outputs, const char *out, const char *file,
+                              int *document, int *evidence)
+{
+  const size_t n = strlen(out);
+  *evidence = -1;
+  if (n < 2 || out[n - 1] != '/')
+    return hl_outputs_add(ctx, outputs, NULL, out, document);
+  hl_status st = hl_outputs_folder(ctx, outputs, out);
+  char folder[HL_OUTPUT_PATH_MAX];
+  if (st != HL_OK)
+    return st;
+  snprintf(folder, sizeof folder, "%.*s", (int)without_slashes(out), out);
+  st = hl_outputs_add(ctx, outputs, folder, file, document);
+  return st == HL_OK ? hl_outputs_add(ctx, outputs, folder, "evidence.json", evidence) : st;
+}
+
 hl_status hl_outputs_begin(hl_ctx *ctx, hl_outputs *outputs)
 {
   if (!outputs->folder[0])

@@ -7,7 +7,7 @@
 
 #include "halflight/status.h"
 
-enum { HL_OUTPUTS_MAX = 8, HL_OUTPUT_PATH_MAX = 4096 };
+enum { HL_OUTPUTS_MAX = 16, HL_OUTPUT_PATH_MAX = 4096 };
 
 typedef struct hl_outputs {
   int n;
@@ -24,6 +24,11 @@ hl_status hl_outputs_folder(hl_ctx *ctx, hl_outputs *outputs, const char *folder
  * Refuses early what could only fail after the work is done. HL_ERR_IO, HL_ERR_ARG. */
 hl_status hl_outputs_add(hl_ctx *ctx, hl_outputs *outputs, const char *folder, const char *name,
                          int *index);
+
+/* Plan `file` and evidence.json within the folder that `out` names by a slash at its end; where it has
+ * none, `out` itself, and *evidence is -1. HL_ERR_IO, HL_ERR_ARG. */
+hl_status hl_outputs_document(hl_ctx *ctx, hl_outputs *outputs, const char *out, const char *file,
+                              int *document, int *evidence);
 
 /* Make the folder, so that the stages can be written. HL_ERR_IO. */
 hl_status hl_outputs_begin(hl_ctx *ctx, hl_outputs *outputs);

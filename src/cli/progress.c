@@ -10,14 +10,19 @@ enum { WIDTH = 30 };
 
 void hl_progress(int done, int total, const char *what)
 {
+  hl_progress_on(stderr, done, total, what);
+}
+
+void hl_progress_on(FILE *to, int done, int total, const char *what)
+{
   static const char full[] = "##############################";
-  if (!isatty(STDERR_FILENO) || total <= 0)
+  if (!to || !isatty(fileno(to)) || total <= 0)
     return;
   if (done >= total) {
-    fprintf(stderr, "\r%*s\r", WIDTH + 40, "");
+    fprintf(to, "\r%*s\r", WIDTH + 40, "");
   } else {
     const int filled = WIDTH * done / total;
-    fprintf(stderr, "\r[%.*s%*s] %d of %d %s", filled, full, WIDTH - filled, "", done, total, what);
+    fprintf(to, "\r[%.*s%*s] %d of %d %s", filled, full, WIDTH - filled, "", done, total, what);
   }
-  fflush(stderr);
+  fflush(to);
 }

@@ -18,6 +18,9 @@ void hl_summary_sphere(FILE *out, const hl_sphere *sphere, const hl_sphere_fit *
 
 void hl_summary_fit(FILE *out, const hl_fit *fit);
 
+/* What the lights stand on and which are off it. */
+void hl_summary_dome(FILE *out, const hl_lights *lights);
+
 /* "what: why; what: why" of the reasons. */
 void hl_summary_reasons(const hl_notes *reasons, char *out, size_t size);
 

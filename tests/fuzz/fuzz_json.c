@@ -146,3 +146,26 @@ hl_status fuzz_lights(hl_ctx *ctx, const fuzz_input *input)
   hl_lights_free(&lights);
   return HL_OK;
 }
+
+/* Whatever was read can be written in each format, and what an .lp holds comes back. */
+hl_status fuzz_lights_import(hl_ctx *ctx, const fuzz_input *input)
+{
+  hl_lights lights = {0}, again = {0};
+  hl_status st = hl_lights_import(ctx, input->path, &lights);
+  if (st != HL_OK)
+    return st;
+  for (int format = 0; hl_lights_format_name(format); format++) {
+    hl_ctx inner = {0};
+    char *text = NULL;
+    st = hl_lights_text(&inner, &lights, (hl_lights_format)format, &text);
+    fuzz_demand(st == HL_OK || st == HL_ERR_ARG, "lights are written", inner.msg);
+    if (st == HL_OK && format <= HL_LIGHTS_ALICEVISION) {
+      st = hl_lights_import(&inner, fuzz_again(text, strlen(text)), &again);
+      fuzz_demand(st == HL_OK, "what was written is read", inner.msg);
+      hl_lights_free(&again);
+    }
+    free(text);
+  }
+  hl_lights_free(&lights);
+  return HL_OK;
+}

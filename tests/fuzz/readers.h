@@ -15,6 +15,7 @@
   X(fit)                                                                                           \
   X(frame)                                                                                         \
   X(lights)                                                                                        \
+  X(lights_import)                                                                                 \
   X(merl)                                                                                          \
   X(options)                                                                                       \
   X(pfm)                                                                                           \
