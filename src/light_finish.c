@@ -53,6 +53,7 @@ hl_status hl_light_finish(hl_ctx *ctx, struct hl_light_work *work,
       break;
   }
   out->outliers = marked;
+  out->sought = work->all.n;
   kept->cost = cost;
   return HL_OK;
 }

@@ -154,10 +154,10 @@ void hl_light_judge(const struct hl_light_work *work, const hl_light_settled *se
     hl_notes_add(&out->reasons, "not converged",
                  "the direction still moved after the last iteration");
   judge_width(work, spread, out);
-  if (settled->outliers > work->all.n / 4)
+  if (settled->outliers > settled->sought / 4)
     hl_notes_add(&out->reasons, "outliers",
                  "%.0f %% of the pixels do not fit: something covers "
                  "the ball, or the room is reflected in it",
-                 100.0 * settled->outliers / work->all.n);
+                 100.0 * settled->outliers / settled->sought);
   out->trusted = out->reasons.n == 0;
 }

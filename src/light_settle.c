@@ -121,6 +121,7 @@ hl_status hl_light_settle(hl_ctx *ctx, struct hl_light_work *work, const hl_surf
       settings->outlier_sigmas > 0 && !(settings->without & 1U << HL_LIGHT_OUTLIERS);
   hl_status st = HL_OK;
   memset(out, 0, sizeof *out);
+  out->sought = work->all.n;
   work->model.censor_rounds = 0;
   hl_light_weigh(&work->all, hl_light_final_noise, NULL);
   out->noise_cost = noise_cost(work, surface);

@@ -158,6 +158,7 @@ typedef struct hl_light_settled {
   hl_variant kept;
   int iterations;
   int outliers;
+  int sought;           /* samples that the outliers were sought among: cells, or pixels */
   int concentrated;     /* of them, that hl_light_concentrate found: 0 = it was not needed */
   double compared_s[3]; /* the kept one's as the others' were had */
   double compared_cost; /* likewise: before pixels were left out, on cells where there are any */

@@ -63,8 +63,10 @@ JSON
 cp session/session.json json/session.json
 may_doubt "$halflight" replay session --out replayed > replay.log
 cp replayed/lights.json json/lights.json
-may_doubt "$halflight" replay "$top/fixtures/dome-a" --out dome > replay.log
-cp dome/lights.json json/lights-dome.json
+if [ "$opencv" = ON ]; then # its frames are PNG
+  may_doubt "$halflight" replay "$top/fixtures/dome-a" --out dome > replay.log
+  cp dome/lights.json json/lights-dome.json
+fi
 cp replayed/frames/00000.json json/light-replayed.json
 "$makers/make_ball" fill=black frame=black.pfm
 may_doubt "$halflight" estimate black.pfm --camera camera.json --sphere sphere.json --json > json/light-none.json

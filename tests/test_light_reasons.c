@@ -86,6 +86,9 @@ static void test_what_else_is_wrong(void **state)
   j.settled.variant[0].converged = false;
   assert_says(reason(&j, "not converged"), "still moved");
   j.settled.outliers = j.d.work->all.n / 2;
+  j.settled.sought = 10 * j.d.work->all.n; /* pixels, of which these are the cells */
+  assert_string_equal(reason(&j, "outliers"), "");
+  j.settled.sought = j.d.work->all.n;
   assert_says(reason(&j, "outliers"), "50 % of the pixels");
   lit_data_free(&j.d);
 }

@@ -6,6 +6,7 @@
 #include "draw_lights.h"
 #include "report.h"
 #include "report_dome.h"
+#include "summary.h"
 
 static const double DEGREES = 180 / 3.14159265358979323846;
 
@@ -142,6 +143,27 @@ static void put_balls(hl_page *page, const json_t *balls)
   hl_page_facts_end(page);
 }
 
+/* HL_ERR_FORMAT, HL_ERR_MEMORY, as reading the document. */
+static hl_status put_dome(hl_ctx *ctx, const hl_report_source *source, hl_page *page)
+{
+  hl_lights lights;
+  char text[400];
+  if (!json_is_object(json_object_get(source->document, "dome")))
+    return HL_OK;
+  const hl_status st = hl_lights_read(ctx, source->path, &lights);
+  if (st != HL_OK)
+    return st;
+  hl_page_heading(page, "What they stand on");
+  hl_page_facts_begin(page);
+  hl_summary_dome_text(&lights, text, sizeof text);
+  hl_page_fact(page, "Shape", "%s", text);
+  if (hl_summary_off_dome(&lights, text, sizeof text))
+    hl_page_fact(page, "Off it", "%s", text);
+  hl_page_facts_end(page);
+  hl_lights_free(&lights);
+  return HL_OK;
+}
+
 static void put_verdict(hl_page *page, const json_t *d, const session_figures *f)
 {
   const bool good = hl_json_is_true(d, "trusted");
@@ -180,6 +202,9 @@ hl_status hl_report_session(hl_ctx *ctx, const hl_report_source *source, hl_page
     for (int i = 0; i < f.n; i++)
       put_light(page, &f, i, json_array_get(lights, (size_t)i));
     hl_page_table_end(page);
+    st = put_dome(ctx, source, page);
+  }
+  if (st == HL_OK) {
     put_balls(page, json_object_get(d, "balls"));
     hl_page_notes(page, "Used", json_object_get(d, "used"));
     hl_page_notes(page, "Left out", json_object_get(d, "left_out"));

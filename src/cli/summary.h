@@ -20,6 +20,9 @@ void hl_summary_fit(FILE *out, const hl_fit *fit);
 
 /* What the lights stand on and which are off it. */
 void hl_summary_dome(FILE *out, const hl_lights *lights);
+/* What the lights stand on; which are off it, false where none is. */
+void hl_summary_dome_text(const hl_lights *lights, char *out, size_t size);
+bool hl_summary_off_dome(const hl_lights *lights, char *out, size_t size);
 
 /* "what: why; what: why" of the reasons. */
 void hl_summary_reasons(const hl_notes *reasons, char *out, size_t size);

@@ -56,23 +56,36 @@ static void write_outliers(const hl_lights *l, char *out, size_t size)
   }
 }
 
-void hl_summary_dome(FILE *out, const hl_lights *lights)
+void hl_summary_dome_text(const hl_lights *lights, char *out, size_t size)
 {
   const hl_dome *d = &lights->dome;
   const hl_dome_fit *f = &d->fit[d->shape];
-  char text[TEXT_MAX], shape[200], rms[40];
+  char shape[200], rms[40];
   if (d->shape == HL_DOME_NONE) {
-    hl_summary_line(out, "dome",
-                    d->positions ? "no sphere, circle or plane grid that the positions would show"
-                                 : "no rings or plane grid that the directions would show");
+    snprintf(out, size, "%s",
+             d->positions ? "no sphere, circle or plane grid that the positions would show"
+                          : "no rings or plane grid that the directions would show");
     return;
   }
   write_shape(d, f, shape, sizeof shape);
   write_distance(d, f->rms, rms, sizeof rms);
-  snprintf(text, sizeof text, "%s; %d of %d lights on it, rms %s", shape, f->n_on, d->n, rms);
+  snprintf(out, size, "%s; %d of %d lights on it, rms %s", shape, f->n_on, d->n, rms);
+}
+
+bool hl_summary_off_dome(const hl_lights *lights, char *out, size_t size)
+{
+  const hl_dome *d = &lights->dome;
+  if (d->shape == HL_DOME_NONE || d->fit[d->shape].n_off == 0)
+    return false;
+  write_outliers(lights, out, size);
+  return true;
+}
+
+void hl_summary_dome(FILE *out, const hl_lights *lights)
+{
+  char text[TEXT_MAX];
+  hl_summary_dome_text(lights, text, sizeof text);
   hl_summary_line(out, "dome", text);
-  if (f->n_off > 0) {
-    write_outliers(lights, text, sizeof text);
+  if (hl_summary_off_dome(lights, text, sizeof text))
     hl_summary_line(out, "off it", text);
-  }
 }
