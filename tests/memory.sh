@@ -19,5 +19,5 @@ for name in json_read pfm frame camera_file camera_json sphere_file surface lens
   check "$build/tests/test_$name"
 done
 check "$build/halflight" estimate $core/frame.pfm --camera $core/camera.json \
-  --sphere $core/sphere.json --threads 2 --out "$work/out"
+  --sphere $core/sphere.json --threads 2 --json # --out draws, and the fonts' library keeps what it loads
 check "$build/halflight" locate $core/frame.pfm --camera $core/camera.json --radius-m 0.02
