@@ -103,20 +103,14 @@ hl_status hl_board_pose_read(hl_ctx *ctx, const char *path, hl_board_pose *out)
   return st;
 }
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
 static bool set_spread(json_t *root, const hl_board_pose *p)
 {
   const int n = hl_camera_intrinsics_count(&p->camera);
-  return set(root, "covariance",
-             hl_json_rows(p->covariance[0], HL_POSE_SIZE, HL_POSE_SIZE, HL_POSE_SIZE)) &&
+  return hl_json_set(root, "covariance",
+                     hl_json_rows(p->covariance[0], HL_POSE_SIZE, HL_POSE_SIZE, HL_POSE_SIZE)) &&
          (p->camera.width == 0 ||
-          set(root, "by_intrinsics",
-              hl_json_rows(p->by_intrinsics[0], HL_POSE_SIZE, n, HL_INTRINSICS_MAX)));
+          hl_json_set(root, "by_intrinsics",
+                      hl_json_rows(p->by_intrinsics[0], HL_POSE_SIZE, n, HL_INTRINSICS_MAX)));
 }
 
 hl_status hl_board_pose_json(hl_ctx *ctx, const hl_board_pose *pose, char **out)
@@ -130,9 +124,10 @@ hl_status hl_board_pose_json(hl_ctx *ctx, const hl_board_pose *pose, char **out)
                            hl_json_reals(numbers, HL_POSE_SIZE));
   const bool good =
       root && (!pose->has_covariance || set_spread(root, pose)) &&
-      (pose->corners <= 0 || set(root, "corners", json_integer(pose->corners))) &&
-      (!(pose->rms_px > 0) || set(root, "rms_px", hl_json_real(pose->rms_px))) &&
-      (pose->camera.width == 0 || set(root, "camera", hl_camera_json_document(&pose->camera)));
+      (pose->corners <= 0 || hl_json_set(root, "corners", json_integer(pose->corners))) &&
+      (!(pose->rms_px > 0) || hl_json_set(root, "rms_px", hl_json_real(pose->rms_px))) &&
+      (pose->camera.width == 0 ||
+       hl_json_set(root, "camera", hl_camera_json_document(&pose->camera)));
   if (!good) {
     json_decref(root);
     root = NULL;

@@ -17,20 +17,6 @@
 #include "json_notes.h"
 #include "json_write.h"
 
-/* Sets a member and takes over `value`; false without memory. */
-static bool set(json_t *object, const char *name, json_t *value)
-{
-  return json_object_set_new(object, name, value) == 0;
-}
-
-static json_t *kept(json_t *value, bool good)
-{
-  if (good)
-    return value;
-  json_decref(value);
-  return NULL;
-}
-
 static json_t *pose_numbers(const hl_pose *pose)
 {
   const double *r = pose->rotation_rad, *t = pose->translation_m;
@@ -41,17 +27,20 @@ static json_t *pose_numbers(const hl_pose *pose)
 static json_t *view_object(const hl_view_pose *view, int intrinsics)
 {
   json_t *o = json_object();
-  const bool good =
-      o && set(o, "file", json_string(view->name)) && set(o, "used", json_boolean(view->used)) &&
-      set(o, "why", json_string(view->why)) && set(o, "corners", json_integer(view->corners)) &&
-      set(o, "seen", json_integer(view->seen)) && set(o, "rms_px", hl_json_real(view->rms_px)) &&
-      set(o, "cam_from_board", pose_numbers(&view->cam_from_board)) &&
-      (!view->used ||
-       (set(o, "own_covariance",
-            hl_json_rows(view->own_covariance[0], HL_POSE_SIZE, HL_POSE_SIZE, HL_POSE_SIZE)) &&
-        set(o, "by_intrinsics",
-            hl_json_rows(view->by_intrinsics[0], HL_POSE_SIZE, intrinsics, HL_INTRINSICS_MAX))));
-  return kept(o, good);
+  const bool good = o && hl_json_set(o, "file", json_string(view->name)) &&
+                    hl_json_set(o, "used", json_boolean(view->used)) &&
+                    hl_json_set(o, "why", json_string(view->why)) &&
+                    hl_json_set(o, "corners", json_integer(view->corners)) &&
+                    hl_json_set(o, "seen", json_integer(view->seen)) &&
+                    hl_json_set(o, "rms_px", hl_json_real(view->rms_px)) &&
+                    hl_json_set(o, "cam_from_board", pose_numbers(&view->cam_from_board)) &&
+                    (!view->used || (hl_json_set(o, "own_covariance",
+                                                 hl_json_rows(view->own_covariance[0], HL_POSE_SIZE,
+                                                              HL_POSE_SIZE, HL_POSE_SIZE)) &&
+                                     hl_json_set(o, "by_intrinsics",
+                                                 hl_json_rows(view->by_intrinsics[0], HL_POSE_SIZE,
+                                                              intrinsics, HL_INTRINSICS_MAX))));
+  return hl_json_kept(o, good);
 }
 
 static json_t *view_list(const hl_calibration *c)
@@ -61,7 +50,7 @@ static json_t *view_list(const hl_calibration *c)
   for (int i = 0; i < c->n_views && good; i++)
     good = json_array_append_new(
                list, view_object(&c->view[i], hl_camera_intrinsics_count(&c->camera))) == 0;
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 /* `sd_px` is the larger half axis of the one-sigma ellipse. */
@@ -71,11 +60,11 @@ static json_t *projection_object(const hl_projection *p)
   const double mean = (v[0][0] + v[1][1]) / 2;
   const double apart = hypot((v[0][0] - v[1][1]) / 2, v[0][1]);
   json_t *o = json_object();
-  const bool good = o && set(o, "pixel", hl_json_reals(p->pixel, 2)) &&
-                    set(o, "distance_m", hl_json_real(p->distance_m)) &&
-                    set(o, "covariance", hl_json_rows(v[0], 2, 2, 2)) &&
-                    set(o, "sd_px", hl_json_real(sqrt(mean + apart)));
-  return kept(o, good);
+  const bool good = o && hl_json_set(o, "pixel", hl_json_reals(p->pixel, 2)) &&
+                    hl_json_set(o, "distance_m", hl_json_real(p->distance_m)) &&
+                    hl_json_set(o, "covariance", hl_json_rows(v[0], 2, 2, 2)) &&
+                    hl_json_set(o, "sd_px", hl_json_real(sqrt(mean + apart)));
+  return hl_json_kept(o, good);
 }
 
 static json_t *projection_list(const hl_calibration *c)
@@ -84,25 +73,26 @@ static json_t *projection_list(const hl_calibration *c)
   bool good = list != NULL;
   for (int i = 0; i < c->n_projections && good; i++)
     good = json_array_append_new(list, projection_object(&c->projection[i])) == 0;
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static bool add_calibration(json_t *d, const hl_calibration *c)
 {
   char spec[HL_TARGET_SPEC_MAX];
-  return set(d, "status", json_string(c->trusted ? "ok" : "untrusted")) &&
-         set(d, "reasons", hl_json_reasons(&c->reasons)) &&
-         set(d, "used", hl_json_notes(&c->used)) &&
-         set(d, "left_out", hl_json_notes(&c->left_out)) &&
-         set(d, "target", json_string(hl_target_spec(&c->target, spec))) &&
-         set(d, "noise_px", hl_json_real(c->noise_px)) &&
-         set(d, "coverage", hl_json_real(c->coverage)) &&
-         set(d, "tilt_deg", hl_json_real(c->tilt_deg)) &&
-         set(d, "condition", hl_json_real(c->condition)) &&
-         set(d, "scatter", hl_json_real(c->scatter)) &&
-         set(d, "corners_used", json_integer(c->corners_used)) &&
-         set(d, "corners_left_out", json_integer(c->corners_left_out)) &&
-         set(d, "views", view_list(c)) && set(d, "projection_uncertainty", projection_list(c));
+  return hl_json_set(d, "status", json_string(c->trusted ? "ok" : "untrusted")) &&
+         hl_json_set(d, "reasons", hl_json_reasons(&c->reasons)) &&
+         hl_json_set(d, "used", hl_json_notes(&c->used)) &&
+         hl_json_set(d, "left_out", hl_json_notes(&c->left_out)) &&
+         hl_json_set(d, "target", json_string(hl_target_spec(&c->target, spec))) &&
+         hl_json_set(d, "noise_px", hl_json_real(c->noise_px)) &&
+         hl_json_set(d, "coverage", hl_json_real(c->coverage)) &&
+         hl_json_set(d, "tilt_deg", hl_json_real(c->tilt_deg)) &&
+         hl_json_set(d, "condition", hl_json_real(c->condition)) &&
+         hl_json_set(d, "scatter", hl_json_real(c->scatter)) &&
+         hl_json_set(d, "corners_used", json_integer(c->corners_used)) &&
+         hl_json_set(d, "corners_left_out", json_integer(c->corners_left_out)) &&
+         hl_json_set(d, "views", view_list(c)) &&
+         hl_json_set(d, "projection_uncertainty", projection_list(c));
 }
 
 hl_status hl_calibration_json(hl_ctx *ctx, const hl_calibration *calibration, char **out)
@@ -112,7 +102,7 @@ hl_status hl_calibration_json(hl_ctx *ctx, const hl_calibration *calibration, ch
     return st;
   json_t *d = hl_camera_json_document(&calibration->camera);
   const bool good = d && (calibration->n_views == 0 || add_calibration(d, calibration));
-  return hl_json_text(ctx, kept(d, good), out);
+  return hl_json_text(ctx, hl_json_kept(d, good), out);
 }
 
 hl_status hl_calibration_write(hl_ctx *ctx, const char *path, const hl_calibration *calibration)

@@ -101,12 +101,6 @@ hl_status hl_camera_json_members(hl_json_source source, const json_t *root, hl_c
 
 /* ---- written ---- */
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
 static json_t *rows_of(const double *matrix, int n)
 {
   json_t *rows = json_array();
@@ -128,9 +122,9 @@ json_t *hl_camera_json_document(const hl_camera *c)
   const bool good =
       root &&
       (!c->has_covariance ||
-       set(root, "covariance", rows_of(c->covariance, hl_camera_intrinsics_count(c)))) &&
-      (!(c->rms_px > 0) || set(root, "rms_px", hl_json_real(c->rms_px))) &&
-      (c->observations <= 0 || set(root, "observations", json_integer(c->observations)));
+       hl_json_set(root, "covariance", rows_of(c->covariance, hl_camera_intrinsics_count(c)))) &&
+      (!(c->rms_px > 0) || hl_json_set(root, "rms_px", hl_json_real(c->rms_px))) &&
+      (c->observations <= 0 || hl_json_set(root, "observations", json_integer(c->observations)));
   if (good)
     return root;
   json_decref(root);

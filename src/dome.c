@@ -137,10 +137,25 @@ double hl_dome_evidence(const hl_dome_data *data, const hl_dome_fit *fit, bool a
     ratio[i] -= 0.5 * r * r / (fit->sigma * fit->sigma) + data->log_plain[at];
   }
   const double share = (off + 1.0) / (n + 2.0);
-  for (int i = 0; i < n;
-       i++) /* of a shape without a finite sigma it is no number, and tells nothing */
+  /* of a shape without a finite sigma the ratio is no number, and tells nothing */
+  for (int i = 0; i < n; i++)
     sum += log((1 - share) * (isnan(ratio[i]) ? 0 : exp(fmin(ratio[i], 700))) + share);
   return sum - 0.5 * (free + fit->n_rings) * log((double)n);
+}
+
+bool hl_dome_best(const hl_dome_data *data, bool (*refine)(const hl_dome_data *, hl_dome_fit *),
+                  hl_dome_fit *candidate, int n, hl_dome_fit *out)
+{
+  bool found = false;
+  for (int i = 0; i < n; i++) {
+    if (!refine(data, &candidate[i]))
+      continue;
+    candidate[i].evidence = hl_dome_evidence(data, &candidate[i], true);
+    if (!found || candidate[i].evidence > out->evidence)
+      *out = candidate[i];
+    found = true;
+  }
+  return found;
 }
 
 /* The largest distance from the first. */

@@ -253,18 +253,9 @@ bool hl_dome_fit_grid(const hl_dome_data *data, hl_dome_fit *out)
 {
   hl_dome_fit kept[KEPT];
   int n = 0;
-  bool found = false;
   if (data->n < LIGHTS_MIN)
     return false;
   for (int i = 0; i < data->n_scored; i++)
     try_around(data, data->x + 3 * data->scored[i], kept, &n);
-  for (int i = 0; i < n; i++) {
-    if (!refine(data, &kept[i]))
-      continue;
-    kept[i].evidence = hl_dome_evidence(data, &kept[i], true);
-    if (!found || kept[i].evidence > out->evidence)
-      *out = kept[i];
-    found = true;
-  }
-  return found;
+  return hl_dome_best(data, refine, kept, n, out);
 }

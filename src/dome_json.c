@@ -14,34 +14,20 @@
 enum { WHERE_MAX = 4200 };
 static const double LARGEST = 1e300;
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
-static json_t *kept(json_t *value, bool good)
-{
-  if (good)
-    return value;
-  json_decref(value);
-  return NULL;
-}
-
 static bool set_geometry(json_t *o, const hl_dome_fit *f, bool positions)
 {
   if (f->shape == HL_DOME_GRID)
-    return set(o, "corner", hl_json_reals(f->corner, 3)) &&
-           set(o, "step", hl_json_rows(f->step[0], 2, 3, 3)) &&
-           set(o, "first", json_pack("[i,i]", f->first[0], f->first[1])) &&
-           set(o, "size", json_pack("[i,i]", f->size[0], f->size[1]));
-  if (f->shape == HL_DOME_RINGS && !set(o, "axis", hl_json_reals(f->axis, 3)))
+    return hl_json_set(o, "corner", hl_json_reals(f->corner, 3)) &&
+           hl_json_set(o, "step", hl_json_rows(f->step[0], 2, 3, 3)) &&
+           hl_json_set(o, "first", json_pack("[i,i]", f->first[0], f->first[1])) &&
+           hl_json_set(o, "size", json_pack("[i,i]", f->size[0], f->size[1]));
+  if (f->shape == HL_DOME_RINGS && !hl_json_set(o, "axis", hl_json_reals(f->axis, 3)))
     return false;
   if (positions)
-    return set(o, "center_m", hl_json_reals(f->center_m, 3)) &&
-           set(o, "radius_m", hl_json_real(f->radius_m));
-  return set(o, "half_angle_rad", hl_json_reals(f->half_angle_rad, f->n_rings)) &&
-         set(o, "pole", json_boolean(f->pole));
+    return hl_json_set(o, "center_m", hl_json_reals(f->center_m, 3)) &&
+           hl_json_set(o, "radius_m", hl_json_real(f->radius_m));
+  return hl_json_set(o, "half_angle_rad", hl_json_reals(f->half_angle_rad, f->n_rings)) &&
+         hl_json_set(o, "pole", json_boolean(f->pole));
 }
 
 static json_t *fit_document(const hl_dome_fit *f, bool positions)
@@ -49,7 +35,7 @@ static json_t *fit_document(const hl_dome_fit *f, bool positions)
   json_t *o = json_pack("{s:s,s:o,s:o,s:o,s:i,s:i}", "shape", hl_dome_shape_text(f->shape),
                         "log_odds", hl_json_real(f->evidence), "rms", hl_json_real(f->rms), "sigma",
                         hl_json_real(f->sigma), "on", f->n_on, "off", f->n_off);
-  return kept(o, o && set_geometry(o, f, positions));
+  return hl_json_kept(o, o && set_geometry(o, f, positions));
 }
 
 static json_t *shape_list(const hl_dome *dome)
@@ -59,7 +45,7 @@ static json_t *shape_list(const hl_dome *dome)
   for (int s = 1; s < HL_DOME_SHAPES && good; s++)
     if (dome->fit[s].fitted)
       good = json_array_append_new(list, fit_document(&dome->fit[s], dome->positions)) == 0;
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *distance_list(const hl_lights *lights)
@@ -70,7 +56,7 @@ static json_t *distance_list(const hl_lights *lights)
     good =
         json_array_append_new(list, lights->light[i].found ? hl_json_real(lights->light[i].dome_off)
                                                            : json_null()) == 0;
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *outlier_list(const hl_lights *lights)
@@ -84,7 +70,7 @@ static json_t *outlier_list(const hl_lights *lights)
                                                    "label", l->label, "off",
                                                    hl_json_real(l->dome_off))) == 0;
   }
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 json_t *hl_dome_document(const hl_lights *lights)
@@ -95,8 +81,9 @@ json_t *hl_dome_document(const hl_lights *lights)
                            claimed ? json_string(hl_dome_shape_text(d->shape)) : json_null(), "of",
                            d->positions ? "positions" : "directions", "unit",
                            d->positions ? "m" : "rad", "lights", d->n, "shapes", shape_list(d));
-  return kept(root, root && (!claimed || (set(root, "distance", distance_list(lights)) &&
-                                          set(root, "outliers", outlier_list(lights)))));
+  return hl_json_kept(root,
+                      root && (!claimed || (hl_json_set(root, "distance", distance_list(lights)) &&
+                                            hl_json_set(root, "outliers", outlier_list(lights)))));
 }
 
 /* ---- read */

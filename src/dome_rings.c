@@ -233,7 +233,6 @@ bool hl_dome_fit_rings(const hl_dome_data *data, hl_dome_fit *out)
   hl_dome_fit kept[KEPT];
   int n = 0;
   const int m = data->n_scored < TRIPLES_OF ? data->n_scored : TRIPLES_OF;
-  bool found = false;
   for (int i = 0; i < m; i++)
     for (int j = i + 1; j < m; j++)
       for (int k = j + 1; k < m; k++) {
@@ -242,14 +241,7 @@ bool hl_dome_fit_rings(const hl_dome_data *data, hl_dome_fit *out)
                               data->x + 3 * data->scored[k * data->n_scored / m]};
         try_axis(data, (const double *const *)x, kept, &n);
       }
-  for (int i = 0; i < n; i++) {
-    if (!refine(data, &kept[i]))
-      continue;
-    kept[i].evidence = hl_dome_evidence(data, &kept[i], true);
-    if (!found || kept[i].evidence > out->evidence)
-      *out = kept[i];
-    found = true;
-  }
+  const bool found = hl_dome_best(data, refine, kept, n, out);
   if (found)
     order(out);
   return found;

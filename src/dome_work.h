@@ -43,6 +43,10 @@ void hl_dome_plain(hl_dome_data *data);
 /* Log odds of the shape against lights without order, with fit->sigma: all lights, or those scored. */
 double hl_dome_evidence(const hl_dome_data *data, const hl_dome_fit *fit, bool all);
 
+/* Refines the candidates and keeps the one with most evidence; false: none of them can be refined. */
+bool hl_dome_best(const hl_dome_data *data, bool (*refine)(const hl_dome_data *, hl_dome_fit *),
+                  hl_dome_fit *candidate, int n, hl_dome_fit *out);
+
 /* Distance of x from the shape, and the log density of lights on it where x is nearest, for
  * fit->sigma. */
 double hl_dome_nearest(const hl_dome_data *data, const hl_dome_fit *fit, const double x[3],

@@ -5,20 +5,14 @@
 #include "json_notes.h"
 #include "json_write.h"
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
 static json_t *cause_of(const hl_drift_cause *c)
 {
   json_t *out = json_pack("{s:s,s:s,s:b,s:o,s:o,s:s,s:o}", "what", c->what, "part", c->part,
                           "moved", (int)c->moved, "figure", hl_json_real(c->figure), "threshold",
                           hl_json_real(c->threshold), "unit", c->unit, "significance",
                           hl_json_real(c->significance));
-  if (out && (c->n == 0 || (set(out, "change", hl_json_reals(c->change, c->n)) &&
-                            set(out, "deviation", hl_json_reals(c->sigma, c->n)))))
+  if (out && (c->n == 0 || (hl_json_set(out, "change", hl_json_reals(c->change, c->n)) &&
+                            hl_json_set(out, "deviation", hl_json_reals(c->sigma, c->n)))))
     return out;
   json_decref(out);
   return NULL;

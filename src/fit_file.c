@@ -27,20 +27,6 @@ static const char *const foreshortenings[] = {"none", "1/(n.v)"};
 
 /* ---- writing ---- */
 
-/* Sets a member and takes over `value`; false without memory. */
-static bool set(json_t *object, const char *name, json_t *value)
-{
-  return json_object_set_new(object, name, value) == 0;
-}
-
-static json_t *kept(json_t *value, bool good)
-{
-  if (good)
-    return value;
-  json_decref(value);
-  return NULL;
-}
-
 static bool push(json_t *array, json_t *value)
 {
   return json_array_append_new(array, value) == 0;
@@ -53,7 +39,7 @@ static json_t *note_list(const hl_notes *notes)
   for (int i = 0; i < notes->n && good; i++)
     good =
         push(list, json_pack("{s:s,s:s}", "what", notes->note[i].what, "why", notes->note[i].why));
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *reason_list(const hl_notes *notes)
@@ -62,7 +48,7 @@ static json_t *reason_list(const hl_notes *notes)
   bool good = list != NULL;
   for (int i = 0; i < notes->n && good; i++)
     good = push(list, json_sprintf("%s: %s", notes->note[i].what, notes->note[i].why));
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *curve_object(const hl_term *term, int channels)
@@ -72,31 +58,32 @@ static json_t *curve_object(const hl_term *term, int channels)
   bool good = value != NULL;
   for (int c = 0; c < channels && channels > 1 && good; c++)
     good = push(value, hl_json_reals(term->value[c], term->n));
-  good = curve && good && set(curve, "quantity", json_string("radiance")) &&
-         set(curve, "t", hl_json_reals(term->t, term->n)) &&
-         set(curve, "shown", hl_json_reals(term->shown, 2));
+  good = curve && good && hl_json_set(curve, "quantity", json_string("radiance")) &&
+         hl_json_set(curve, "t", hl_json_reals(term->t, term->n)) &&
+         hl_json_set(curve, "shown", hl_json_reals(term->shown, 2));
   if (!good) {
     json_decref(value);
-    return kept(curve, false);
+    return hl_json_kept(curve, false);
   }
-  return kept(curve, set(curve, "value", value));
+  return hl_json_kept(curve, hl_json_set(curve, "value", value));
 }
 
 static json_t *term_object(const hl_term *term, int channels)
 {
   const double plane[2] = {term->cs, term->cv};
   json_t *t = json_object();
-  const bool good = t && set(t, "role", json_string(roles[term->role])) &&
-                    set(t, "name", term->name[0] ? json_string(term->name) : json_null()) &&
-                    set(t, "direction", hl_json_reals(term->direction, 3)) &&
-                    set(t, "plane", term->in_plane ? hl_json_reals(plane, 2) : json_null()) &&
-                    set(t, "foreshortening", json_string(foreshortenings[term->foreshortened])) &&
-                    set(t, "strength", hl_json_reals(term->strength, channels)) &&
-                    set(t, "gain", hl_json_real(term->gain)) &&
-                    set(t, "off_linear", hl_json_real(term->off_linear)) &&
-                    set(t, "off_quadratic", hl_json_real(term->off_quadratic)) &&
-                    set(t, "curve", curve_object(term, channels));
-  return kept(t, good);
+  const bool good =
+      t && hl_json_set(t, "role", json_string(roles[term->role])) &&
+      hl_json_set(t, "name", term->name[0] ? json_string(term->name) : json_null()) &&
+      hl_json_set(t, "direction", hl_json_reals(term->direction, 3)) &&
+      hl_json_set(t, "plane", term->in_plane ? hl_json_reals(plane, 2) : json_null()) &&
+      hl_json_set(t, "foreshortening", json_string(foreshortenings[term->foreshortened])) &&
+      hl_json_set(t, "strength", hl_json_reals(term->strength, channels)) &&
+      hl_json_set(t, "gain", hl_json_real(term->gain)) &&
+      hl_json_set(t, "off_linear", hl_json_real(term->off_linear)) &&
+      hl_json_set(t, "off_quadratic", hl_json_real(term->off_quadratic)) &&
+      hl_json_set(t, "curve", curve_object(term, channels));
+  return hl_json_kept(t, good);
 }
 
 static json_t *term_list(const hl_fit *fit)
@@ -105,7 +92,7 @@ static json_t *term_list(const hl_fit *fit)
   bool good = list != NULL;
   for (int i = 0; i < fit->n_terms && good; i++)
     good = push(list, term_object(&fit->term[i], fit->channels));
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *angle_list(const hl_fit *fit)
@@ -116,20 +103,21 @@ static json_t *angle_list(const hl_fit *fit)
     for (int j = i + 1; j < fit->n_terms && good; j++)
       good =
           push(list, json_real(degrees * hl_angle(fit->term[i].direction, fit->term[j].direction)));
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *identifiability(const hl_fit *fit)
 {
   json_t *d = json_object();
-  const bool good = d && set(d, "verdict", json_string(verdicts[fit->verdict])) &&
-                    set(d, "proposition", json_string(fit->proposition)) &&
-                    set(d, "free", json_string(fit->stays_free)) &&
-                    set(d, "angles_deg", angle_list(fit)) &&
-                    set(d, "coplanarity", hl_json_real(fit->coplanarity)) &&
-                    set(d, "condition", hl_json_real(fit->condition)) &&
-                    set(d, "direction_sigma_deg", hl_json_real(degrees * fit->direction_sigma_rad));
-  return kept(d, good);
+  const bool good =
+      d && hl_json_set(d, "verdict", json_string(verdicts[fit->verdict])) &&
+      hl_json_set(d, "proposition", json_string(fit->proposition)) &&
+      hl_json_set(d, "free", json_string(fit->stays_free)) &&
+      hl_json_set(d, "angles_deg", angle_list(fit)) &&
+      hl_json_set(d, "coplanarity", hl_json_real(fit->coplanarity)) &&
+      hl_json_set(d, "condition", hl_json_real(fit->condition)) &&
+      hl_json_set(d, "direction_sigma_deg", hl_json_real(degrees * fit->direction_sigma_rad));
+  return hl_json_kept(d, good);
 }
 
 static json_t *size_list(const hl_fit *fit)
@@ -143,7 +131,7 @@ static json_t *size_list(const hl_fit *fit)
                                 hl_json_real(size->unexplained_variance), "cross_validated",
                                 hl_json_real(size->cross_validated)));
   }
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *light_object(const hl_fit *fit)
@@ -158,22 +146,26 @@ hl_status hl_fit_json(hl_ctx *ctx, const hl_fit *fit, char **out)
 {
   json_t *d = json_object();
   const bool good =
-      d && set(d, "format", json_string("halflight-fit")) && set(d, "version", json_integer(1)) &&
-      set(d, "status", json_string(fit->trusted ? "ok" : "untrusted")) &&
-      set(d, "reasons", reason_list(&fit->reasons)) &&
-      set(d, "model", json_string(models[fit->model])) &&
-      set(d, "domain", json_string(domains[fit->log_domain])) &&
-      set(d, "curves", json_string(fit->free_curves ? "free" : "monotone")) &&
-      set(d, "channels", json_integer(fit->channels)) &&
-      set(d, "samples", json_integer(fit->n_samples)) && set(d, "light", light_object(fit)) &&
-      set(d, "view", hl_json_reals(fit->view, 3)) && set(d, "terms", term_list(fit)) &&
-      set(d, "relative_error", hl_json_real(fit->relative_error)) &&
-      set(d, "unexplained_variance", hl_json_real(fit->unexplained_variance)) &&
-      set(d, "identifiability", identifiability(fit)) && set(d, "sizes", size_list(fit)) &&
-      set(d, "used", note_list(&fit->used)) && set(d, "left_out", note_list(&fit->left_out)) &&
-      set(d, "timing_ms",
-          json_pack("{s:f,s:f}", "read", fit->read_ms, "estimate", fit->estimate_ms));
-  return hl_json_text(ctx, kept(d, good), out);
+      d && hl_json_set(d, "format", json_string("halflight-fit")) &&
+      hl_json_set(d, "version", json_integer(1)) &&
+      hl_json_set(d, "status", json_string(fit->trusted ? "ok" : "untrusted")) &&
+      hl_json_set(d, "reasons", reason_list(&fit->reasons)) &&
+      hl_json_set(d, "model", json_string(models[fit->model])) &&
+      hl_json_set(d, "domain", json_string(domains[fit->log_domain])) &&
+      hl_json_set(d, "curves", json_string(fit->free_curves ? "free" : "monotone")) &&
+      hl_json_set(d, "channels", json_integer(fit->channels)) &&
+      hl_json_set(d, "samples", json_integer(fit->n_samples)) &&
+      hl_json_set(d, "light", light_object(fit)) &&
+      hl_json_set(d, "view", hl_json_reals(fit->view, 3)) &&
+      hl_json_set(d, "terms", term_list(fit)) &&
+      hl_json_set(d, "relative_error", hl_json_real(fit->relative_error)) &&
+      hl_json_set(d, "unexplained_variance", hl_json_real(fit->unexplained_variance)) &&
+      hl_json_set(d, "identifiability", identifiability(fit)) &&
+      hl_json_set(d, "sizes", size_list(fit)) && hl_json_set(d, "used", note_list(&fit->used)) &&
+      hl_json_set(d, "left_out", note_list(&fit->left_out)) &&
+      hl_json_set(d, "timing_ms",
+                  json_pack("{s:f,s:f}", "read", fit->read_ms, "estimate", fit->estimate_ms));
+  return hl_json_text(ctx, hl_json_kept(d, good), out);
 }
 
 /* ---- reading ---- */

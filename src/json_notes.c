@@ -9,14 +9,6 @@
 #include "halflight/notes.h"
 #include "json_write.h"
 
-static json_t *kept(json_t *list, bool good)
-{
-  if (good)
-    return list;
-  json_decref(list);
-  return NULL;
-}
-
 json_t *hl_json_reasons(const hl_notes *notes)
 {
   json_t *list = json_array();
@@ -26,7 +18,7 @@ json_t *hl_json_reasons(const hl_notes *notes)
     const char *between = note->what[0] && note->why[0] ? ": " : "";
     good = json_array_append_new(list, json_sprintf("%s%s%s", note->what, between, note->why)) == 0;
   }
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *note_lines(const hl_note *note, int n)
@@ -37,7 +29,7 @@ static json_t *note_lines(const hl_note *note, int n)
     json_t *line = json_pack("{s:s,s:s}", "what", note[i].what, "why", note[i].why);
     good = json_array_append_new(list, line) == 0;
   }
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 json_t *hl_json_notes(const hl_notes *notes)
@@ -56,7 +48,7 @@ json_t *hl_json_rows(const double *rows, int n, int m, int stride)
   bool good = list != NULL;
   for (int i = 0; i < n && good; i++)
     good = json_array_append_new(list, hl_json_reals(rows + (ptrdiff_t)i * stride, m)) == 0;
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 hl_status hl_json_notes_read(hl_json_source source, const json_t *object, const char *member,

@@ -187,3 +187,16 @@ json_t *hl_json_reals(const double *values, int n)
   }
   return list;
 }
+
+bool hl_json_set(json_t *object, const char *key, json_t *value)
+{
+  return json_object_set_new(object, key, value) == 0;
+}
+
+json_t *hl_json_kept(json_t *value, bool good)
+{
+  if (good)
+    return value;
+  json_decref(value);
+  return NULL;
+}

@@ -3,6 +3,7 @@
 #define HL_JSON_WRITE_H
 
 #include <jansson.h>
+#include <stdbool.h>
 
 #include "halflight/status.h"
 
@@ -26,6 +27,12 @@ hl_status hl_json_long_text(hl_ctx *ctx, json_t *document, const hl_json_long *l
  * HL_ERR_MEMORY. */
 hl_status hl_json_long_write(hl_ctx *ctx, json_t *document, const hl_json_long *list,
                              const char *path);
+
+/* Set a member, taking over `value`; NULL, for want of memory, is a failure: false. */
+bool hl_json_set(json_t *object, const char *key, json_t *value);
+
+/* `value` where it is good; else it is given back and NULL. */
+json_t *hl_json_kept(json_t *value, bool good);
 
 /* A number, or null where it is not finite (JSON has no other word for it). */
 json_t *hl_json_real(double value);

@@ -16,23 +16,9 @@
 /* M_PI is not C11 */
 static const double degrees = 180 / 3.14159265358979323846;
 
-/* Sets a member and takes over `value`; false without memory. */
-static bool set(json_t *object, const char *name, json_t *value)
-{
-  return json_object_set_new(object, name, value) == 0;
-}
-
 static bool push(json_t *array, json_t *value)
 {
   return json_array_append_new(array, value) == 0;
-}
-
-static json_t *kept(json_t *value, bool good)
-{
-  if (good)
-    return value;
-  json_decref(value);
-  return NULL;
 }
 
 /* One value for red, green and blue where the frame is grey. */
@@ -48,7 +34,7 @@ static json_t *used_list(const hl_notes *notes)
   bool good = list != NULL;
   for (int i = 0; i < notes->n && good; i++)
     good = push(list, json_string(notes->note[i].what));
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *half_axes(const double rad[2])
@@ -64,9 +50,9 @@ static json_t *ellipse_parts(const hl_light *light)
   json_t *parts = json_object();
   bool good = parts != NULL;
   for (int i = 0; i < HL_PARTS && good; i++)
-    good = set(parts, names[i],
-               light->part_stated[i] ? half_axes(light->part_95_rad[i]) : json_null());
-  return kept(parts, good);
+    good = hl_json_set(parts, names[i],
+                       light->part_stated[i] ? half_axes(light->part_95_rad[i]) : json_null());
+  return hl_json_kept(parts, good);
 }
 
 static json_t *light_list(const hl_light *light)
@@ -76,20 +62,22 @@ static json_t *light_list(const hl_light *light)
     return list;
   json_t *one = json_object();
   const bool good =
-      one && set(one, "direction", hl_json_reals(light->direction, 3)) &&
-      set(one, "tangent_basis", hl_json_rows(light->tangent_basis[0], 2, 3, 3)) &&
-      set(one, "covariance_rad2", hl_json_rows(light->covariance_rad2[0], 2, 2, 2)) &&
-      set(one, "ellipse_95_deg", half_axes(light->ellipse_95_rad)) &&
-      set(one, "ellipse_parts_deg", ellipse_parts(light)) &&
-      set(one, "bound_rad2", hl_json_rows(light->bound_rad2[0], 2, 2, 2)) &&
-      set(one, "efficiency", hl_json_real(light->efficiency)) &&
-      set(one, "by_center_rad_per_m", hl_json_rows(light->by_center[0], 2, 3, 3)) &&
-      set(one, "color", rgb(light->color, light->channels)) &&
-      set(one, "position_m", light->near ? hl_json_reals(light->position_m, 3) : json_null()) &&
-      set(one, "position_covariance_m2",
-          light->near ? hl_json_rows(light->position_covariance_m2[0], 3, 3, 3) : json_null());
-  one = kept(one, good);
-  return kept(list, good && push(list, one));
+      one && hl_json_set(one, "direction", hl_json_reals(light->direction, 3)) &&
+      hl_json_set(one, "tangent_basis", hl_json_rows(light->tangent_basis[0], 2, 3, 3)) &&
+      hl_json_set(one, "covariance_rad2", hl_json_rows(light->covariance_rad2[0], 2, 2, 2)) &&
+      hl_json_set(one, "ellipse_95_deg", half_axes(light->ellipse_95_rad)) &&
+      hl_json_set(one, "ellipse_parts_deg", ellipse_parts(light)) &&
+      hl_json_set(one, "bound_rad2", hl_json_rows(light->bound_rad2[0], 2, 2, 2)) &&
+      hl_json_set(one, "efficiency", hl_json_real(light->efficiency)) &&
+      hl_json_set(one, "by_center_rad_per_m", hl_json_rows(light->by_center[0], 2, 3, 3)) &&
+      hl_json_set(one, "color", rgb(light->color, light->channels)) &&
+      hl_json_set(one, "position_m",
+                  light->near ? hl_json_reals(light->position_m, 3) : json_null()) &&
+      hl_json_set(one, "position_covariance_m2",
+                  light->near ? hl_json_rows(light->position_covariance_m2[0], 3, 3, 3)
+                              : json_null());
+  one = hl_json_kept(one, good);
+  return hl_json_kept(list, good && push(list, one));
 }
 
 static bool has_curve(const hl_light *light, const char *lobe)
@@ -115,7 +103,7 @@ static json_t *lobe_list(const hl_light *light)
                              "direction", hl_json_reals(light->half_angle_direction, 3), "strength",
                              rgb(light->lobe_strength, light->channels), "foreshortening",
                              light->lobe == HL_LOBE_FORESHORTENED ? "1/(n.v)" : "none"));
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *curve_list(const hl_light *light)
@@ -132,7 +120,7 @@ static json_t *curve_list(const hl_light *light)
                           "quantity", "radiance", "angle_deg", hl_json_reals(angle_deg, curve->n),
                           "value", hl_json_reals(curve->value, curve->n)));
   }
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static const char *verdict_text(hl_identifiability verdict)
@@ -176,30 +164,31 @@ static json_t *fit_object(const hl_light *light)
   json_t *fit = json_object();
   json_t *evidence = json_object();
   const double highlight = known ? light->evidence_highlight : no;
-  const bool told = evidence && set(evidence, "highlight", hl_json_real(highlight)) &&
-                    set(evidence, "shading", hl_json_real(1 - highlight));
-  evidence = kept(evidence, told);
+  const bool told = evidence && hl_json_set(evidence, "highlight", hl_json_real(highlight)) &&
+                    hl_json_set(evidence, "shading", hl_json_real(1 - highlight));
+  evidence = hl_json_kept(evidence, told);
   const bool good =
-      fit && set(fit, "pixels", json_integer(known ? light->n_pixels : 0)) &&
-      set(fit, "clipped", json_integer(known ? light->n_clipped : 0)) &&
-      set(fit, "outliers", json_integer(known ? light->n_outliers : 0)) &&
-      set(fit, "iterations", json_integer(known ? light->iterations : 0)) &&
-      set(fit, "rms", hl_json_real(known ? light->rms : no)) &&
-      set(fit, "relative_error", hl_json_real(known ? light->relative_error : no)) &&
-      set(fit, "condition", hl_json_real(known ? light->condition : no)) &&
-      set(fit, "masking_exponent", hl_json_real(known ? light->masking_exponent : no)) &&
-      set(fit, "mean_cos_view", hl_json_real(known ? light->mean_cos_view : no)) &&
-      set(fit, "mean_view", known ? hl_json_reals(light->mean_view, 3) : json_null()) &&
-      set(fit, "ambient", known ? rgb(light->ambient, light->channels) : json_null()) &&
-      set(fit, "backscatter", known ? hl_json_rows(light->backscatter[0], 3, 2, 2) : json_null()) &&
-      set(fit, "lobe", known ? json_string(lobe_text(light->lobe)) : json_null());
+      fit && hl_json_set(fit, "pixels", json_integer(known ? light->n_pixels : 0)) &&
+      hl_json_set(fit, "clipped", json_integer(known ? light->n_clipped : 0)) &&
+      hl_json_set(fit, "outliers", json_integer(known ? light->n_outliers : 0)) &&
+      hl_json_set(fit, "iterations", json_integer(known ? light->iterations : 0)) &&
+      hl_json_set(fit, "rms", hl_json_real(known ? light->rms : no)) &&
+      hl_json_set(fit, "relative_error", hl_json_real(known ? light->relative_error : no)) &&
+      hl_json_set(fit, "condition", hl_json_real(known ? light->condition : no)) &&
+      hl_json_set(fit, "masking_exponent", hl_json_real(known ? light->masking_exponent : no)) &&
+      hl_json_set(fit, "mean_cos_view", hl_json_real(known ? light->mean_cos_view : no)) &&
+      hl_json_set(fit, "mean_view", known ? hl_json_reals(light->mean_view, 3) : json_null()) &&
+      hl_json_set(fit, "ambient", known ? rgb(light->ambient, light->channels) : json_null()) &&
+      hl_json_set(fit, "backscatter",
+                  known ? hl_json_rows(light->backscatter[0], 3, 2, 2) : json_null()) &&
+      hl_json_set(fit, "lobe", known ? json_string(lobe_text(light->lobe)) : json_null());
   /* `evidence` is taken over only by a call that is reached */
   if (!good) {
     json_decref(evidence);
-    return kept(fit, false);
+    return hl_json_kept(fit, false);
   }
-  return kept(fit, set(fit, "evidence", evidence) &&
-                       set(fit, "identifiability", identifiability(light)));
+  return hl_json_kept(fit, hl_json_set(fit, "evidence", evidence) &&
+                               hl_json_set(fit, "identifiability", identifiability(light)));
 }
 
 static json_t *timing_object(const hl_timing *timing)
@@ -215,16 +204,17 @@ json_t *hl_light_json_document(const hl_light *light, const hl_timing *timing)
   const hl_notes none = {0};
   const bool trusted = light->found && light->trusted;
   json_t *d = json_object();
-  const bool good = d && set(d, "format", json_string("halflight-light")) &&
-                    set(d, "version", json_integer(1)) &&
-                    set(d, "status", json_string(trusted ? "ok" : "untrusted")) &&
-                    set(d, "reasons", hl_json_reasons(&light->reasons)) &&
-                    set(d, "lights", light_list(light)) && set(d, "lobes", lobe_list(light)) &&
-                    set(d, "curves", curve_list(light)) && set(d, "fit", fit_object(light)) &&
-                    set(d, "used", used_list(light->found ? &light->used : &none)) &&
-                    set(d, "left_out", hl_json_notes(light->found ? &light->left_out : &none)) &&
-                    set(d, "timing_ms", timing_object(timing));
-  return kept(d, good);
+  const bool good =
+      d && hl_json_set(d, "format", json_string("halflight-light")) &&
+      hl_json_set(d, "version", json_integer(1)) &&
+      hl_json_set(d, "status", json_string(trusted ? "ok" : "untrusted")) &&
+      hl_json_set(d, "reasons", hl_json_reasons(&light->reasons)) &&
+      hl_json_set(d, "lights", light_list(light)) && hl_json_set(d, "lobes", lobe_list(light)) &&
+      hl_json_set(d, "curves", curve_list(light)) && hl_json_set(d, "fit", fit_object(light)) &&
+      hl_json_set(d, "used", used_list(light->found ? &light->used : &none)) &&
+      hl_json_set(d, "left_out", hl_json_notes(light->found ? &light->left_out : &none)) &&
+      hl_json_set(d, "timing_ms", timing_object(timing));
+  return hl_json_kept(d, good);
 }
 
 hl_status hl_light_json(hl_ctx *ctx, const hl_light *light, const hl_timing *timing, char **out)

@@ -14,27 +14,13 @@
 
 enum { LIGHTS_MAX = 1000000, WHERE_MAX = 4200 };
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
-static json_t *kept(json_t *value, bool good)
-{
-  if (good)
-    return value;
-  json_decref(value);
-  return NULL;
-}
-
 static json_t *ball_list(const hl_lights *lights)
 {
   json_t *list = json_array();
   bool good = list != NULL;
   for (int i = 0; i < lights->n_balls && good; i++)
     good = json_array_append_new(list, hl_sphere_json_document(&lights->ball[i], NULL)) == 0;
-  return kept(list, good);
+  return hl_json_kept(list, good);
 }
 
 static json_t *light_of(const void *user, int i)
@@ -52,14 +38,15 @@ static hl_json_long light_list(const hl_lights *lights)
 static json_t *document(const hl_lights *lights)
 {
   json_t *root = json_pack("{s:s,s:i}", "format", "halflight-lights", "version", 1);
-  const bool good = root && set(root, "trusted", json_boolean(lights->trusted)) &&
-                    set(root, "reasons", hl_json_notes(&lights->reasons)) &&
-                    set(root, "camera", hl_camera_json_document(&lights->camera)) &&
-                    set(root, "balls", ball_list(lights)) && set(root, "lights", json_null()) &&
-                    set(root, "dome", hl_dome_document(lights)) &&
-                    set(root, "used", hl_json_notes(&lights->used)) &&
-                    set(root, "left_out", hl_json_notes(&lights->left_out));
-  return kept(root, good);
+  const bool good = root && hl_json_set(root, "trusted", json_boolean(lights->trusted)) &&
+                    hl_json_set(root, "reasons", hl_json_notes(&lights->reasons)) &&
+                    hl_json_set(root, "camera", hl_camera_json_document(&lights->camera)) &&
+                    hl_json_set(root, "balls", ball_list(lights)) &&
+                    hl_json_set(root, "lights", json_null()) &&
+                    hl_json_set(root, "dome", hl_dome_document(lights)) &&
+                    hl_json_set(root, "used", hl_json_notes(&lights->used)) &&
+                    hl_json_set(root, "left_out", hl_json_notes(&lights->left_out));
+  return hl_json_kept(root, good);
 }
 
 hl_status hl_lights_json(hl_ctx *ctx, const hl_lights *lights, char **out)

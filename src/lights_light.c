@@ -13,28 +13,22 @@
 static const double LARGEST = 1e300;
 static const double UNIT = 1e-6; /* what rounding may leave of a unit vector's length */
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
 static bool set_direction(json_t *one, const hl_rig_light *l, int columns)
 {
-  return set(one, "direction", hl_json_reals(l->direction, 3)) &&
-         set(one, "tangent_basis", hl_json_rows(l->tangent_basis[0], 2, 3, 3)) &&
-         set(one, "covariance_rad2", hl_json_rows(l->covariance_rad2[0], 2, 2, 2)) &&
-         set(one, "ellipse_95_rad", hl_json_reals(l->ellipse_95_rad, 2)) &&
-         set(one, "own_rad2", hl_json_rows(l->own_rad2[0], 2, 2, 2)) &&
-         set(one, "by_center", hl_json_rows(l->by_center[0], 2, 3, 3)) &&
-         set(one, "by_intrinsics",
-             hl_json_rows(l->by_intrinsics[0], 2, columns, HL_INTRINSICS_MAX)) &&
-         set(one, "color", hl_json_reals(l->color, 3)) &&
-         set(one, "intensity", hl_json_reals(l->intensity, 3)) &&
-         set(one, "intensity_sigma", hl_json_real(l->intensity_sigma)) &&
-         set(one, "position_m", l->near ? hl_json_reals(l->position_m, 3) : json_null()) &&
-         (!l->near ||
-          set(one, "position_covariance_m2", hl_json_rows(l->position_covariance_m2[0], 3, 3, 3)));
+  return hl_json_set(one, "direction", hl_json_reals(l->direction, 3)) &&
+         hl_json_set(one, "tangent_basis", hl_json_rows(l->tangent_basis[0], 2, 3, 3)) &&
+         hl_json_set(one, "covariance_rad2", hl_json_rows(l->covariance_rad2[0], 2, 2, 2)) &&
+         hl_json_set(one, "ellipse_95_rad", hl_json_reals(l->ellipse_95_rad, 2)) &&
+         hl_json_set(one, "own_rad2", hl_json_rows(l->own_rad2[0], 2, 2, 2)) &&
+         hl_json_set(one, "by_center", hl_json_rows(l->by_center[0], 2, 3, 3)) &&
+         hl_json_set(one, "by_intrinsics",
+                     hl_json_rows(l->by_intrinsics[0], 2, columns, HL_INTRINSICS_MAX)) &&
+         hl_json_set(one, "color", hl_json_reals(l->color, 3)) &&
+         hl_json_set(one, "intensity", hl_json_reals(l->intensity, 3)) &&
+         hl_json_set(one, "intensity_sigma", hl_json_real(l->intensity_sigma)) &&
+         hl_json_set(one, "position_m", l->near ? hl_json_reals(l->position_m, 3) : json_null()) &&
+         (!l->near || hl_json_set(one, "position_covariance_m2",
+                                  hl_json_rows(l->position_covariance_m2[0], 3, 3, 3)));
 }
 
 json_t *hl_rig_light_document(const hl_rig_light *l, int columns)

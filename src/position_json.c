@@ -7,12 +7,6 @@
 
 static const double degrees = 57.29577951308232;
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
 static json_t *sight_list(const hl_position *p, const char *const *names)
 {
   json_t *list = json_array();
@@ -33,23 +27,25 @@ hl_status hl_position_json(hl_ctx *ctx, const hl_position *p, const char *const 
   const bool found = p->found;
   json_t *d = json_object();
   const bool good =
-      d && set(d, "format", json_string("halflight-position")) &&
-      set(d, "version", json_integer(1)) &&
-      set(d, "status", json_string(found && p->trusted ? "ok" : "untrusted")) &&
-      set(d, "reasons", hl_json_reasons(&p->reasons)) &&
-      set(d, "position_m", found ? hl_json_reals(p->position_m, 3) : json_null()) &&
-      set(d, "covariance_m2", found ? hl_json_rows(p->covariance_m2[0], 3, 3, 3) : json_null()) &&
-      set(d, "from_m", hl_json_reals(p->from_m, 3)) &&
-      set(d, "direction", hl_json_reals(p->direction, 3)) &&
-      set(d, "distance_m", hl_json_real(p->distance_m)) &&
-      set(d, "distance_95_m",
-          json_pack("[o,o]", hl_json_real(p->distance_95_m[0]),
-                    hl_json_real(p->distance_95_m[1]))) &&
-      set(d, "least_distance_m", hl_json_real(p->least_distance_m)) &&
-      set(d, "chi_squared", hl_json_real(p->chi_squared)) &&
-      set(d, "degrees_of_freedom", json_integer(p->dof)) &&
-      set(d, "probability", hl_json_real(p->probability)) &&
-      set(d, "sights", sight_list(p, names)) && set(d, "left_out", hl_json_notes(&p->left_out));
+      d && hl_json_set(d, "format", json_string("halflight-position")) &&
+      hl_json_set(d, "version", json_integer(1)) &&
+      hl_json_set(d, "status", json_string(found && p->trusted ? "ok" : "untrusted")) &&
+      hl_json_set(d, "reasons", hl_json_reasons(&p->reasons)) &&
+      hl_json_set(d, "position_m", found ? hl_json_reals(p->position_m, 3) : json_null()) &&
+      hl_json_set(d, "covariance_m2",
+                  found ? hl_json_rows(p->covariance_m2[0], 3, 3, 3) : json_null()) &&
+      hl_json_set(d, "from_m", hl_json_reals(p->from_m, 3)) &&
+      hl_json_set(d, "direction", hl_json_reals(p->direction, 3)) &&
+      hl_json_set(d, "distance_m", hl_json_real(p->distance_m)) &&
+      hl_json_set(d, "distance_95_m",
+                  json_pack("[o,o]", hl_json_real(p->distance_95_m[0]),
+                            hl_json_real(p->distance_95_m[1]))) &&
+      hl_json_set(d, "least_distance_m", hl_json_real(p->least_distance_m)) &&
+      hl_json_set(d, "chi_squared", hl_json_real(p->chi_squared)) &&
+      hl_json_set(d, "degrees_of_freedom", json_integer(p->dof)) &&
+      hl_json_set(d, "probability", hl_json_real(p->probability)) &&
+      hl_json_set(d, "sights", sight_list(p, names)) &&
+      hl_json_set(d, "left_out", hl_json_notes(&p->left_out));
   if (!good) {
     json_decref(d);
     d = NULL;

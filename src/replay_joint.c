@@ -13,7 +13,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "cholesky.h"
 #include "halflight/notes.h"
 #include "halflight/vec3.h"
 #include "replay_work.h"
@@ -36,21 +35,6 @@ static void add(const hl_light_pose *p, system_3 *s)
   s->n++;
 }
 
-static bool invert(const double a[3][3], double out[3][3])
-{
-  double factor[9];
-  memcpy(factor, a, sizeof factor);
-  if (hl_cholesky(factor, 3, 3, 1e-14) > 0)
-    return false;
-  for (int j = 0; j < 3; j++) {
-    double x[3] = {j == 0, j == 1, j == 2};
-    hl_cholesky_solve(factor, 3, 3, x);
-    for (int i = 0; i < 3; i++)
-      out[i][j] = x[i];
-  }
-  return true;
-}
-
 /* Mean of g_i' H_i^-1 g_i / 3: 1 where the frames' scores scatter as they state. */
 static double scatter_of(const hl_replay_run *run, int b)
 {
@@ -58,7 +42,7 @@ static double scatter_of(const hl_replay_run *run, int b)
   int n = 0;
   for (int i = 0; i < run->session->n; i++) {
     const hl_replay_seen *s = &run->frame[i].seen[b];
-    if (!s->scored || !invert((const double(*)[3])s->pose.information, inverse))
+    if (!s->scored || !hl_replay_invert((const double(*)[3])s->pose.information, inverse))
       continue;
     for (int j = 0; j < 3; j++)
       sum += s->pose.gradient[j] * hl_dot(inverse[j], s->pose.gradient) / 3;
@@ -74,7 +58,7 @@ static bool step_of(const system_3 *s, const double prior[3][3], double scatter,
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       h[i][j] = s->h[i][j] / scatter + prior[i][j];
-  if (!invert((const double(*)[3])h, covariance))
+  if (!hl_replay_invert((const double(*)[3])h, covariance))
     return false;
   for (int i = 0; i < 3; i++)
     step[i] = hl_dot(covariance[i], s->g) / scatter;
@@ -191,7 +175,7 @@ static void refine(const hl_replay_run *run, int b, hl_lights *out)
   const double(*known)[3] =
       (const double(*)[3])(ball->n_intrinsics > 0 ? ball->held_covariance_m2 : ball->covariance_m2);
   const double scatter = scatter_of(run, b);
-  if (!ball->has_covariance || !invert(known, prior) ||
+  if (!ball->has_covariance || !hl_replay_invert(known, prior) ||
       !step_of(&all, (const double(*)[3])prior, scatter, step, covariance)) {
     hl_notes_add(&out->left_out, "joint pose", "ball %d: the pose has no covariance", b);
     return;

@@ -58,7 +58,7 @@ hl_sphere_settings hl_replay_near(const hl_session_ball *ball)
   return s;
 }
 
-static bool invert(const double a[3][3], double out[3][3])
+bool hl_replay_invert(const double a[3][3], double out[3][3])
 {
   double factor[9];
   memcpy(factor, a, sizeof factor);
@@ -76,7 +76,7 @@ static bool invert(const double a[3][3], double out[3][3])
 double hl_replay_distance2(const double difference[3], const double covariance[3][3])
 {
   double inverse[3][3], sum = 0;
-  if (!invert(covariance, inverse))
+  if (!hl_replay_invert(covariance, inverse))
     return 0;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
@@ -127,7 +127,7 @@ static bool mean(const outline *o, int n, double center[3], double covariance[3]
 {
   double sum[3][3] = {{0}}, right[3] = {0}, inverse[3][3];
   for (int i = 0; i < n; i++) {
-    if (!o[i].used || !invert(o[i].covariance, inverse))
+    if (!o[i].used || !hl_replay_invert(o[i].covariance, inverse))
       continue;
     for (int j = 0; j < 3; j++)
       for (int k = 0; k < 3; k++) {
@@ -135,7 +135,7 @@ static bool mean(const outline *o, int n, double center[3], double covariance[3]
         right[j] += inverse[j][k] * o[i].center[k];
       }
   }
-  if (!invert(sum, covariance))
+  if (!hl_replay_invert(sum, covariance))
     return false;
   for (int j = 0; j < 3; j++)
     center[j] = hl_dot(covariance[j], right);

@@ -62,6 +62,8 @@ hl_status hl_replay_pose(hl_ctx *ctx, hl_replay_run *run);
 /* How far, in pixels, and in deviations squared, a frame's own pose is from the common one. */
 double hl_replay_moved_px(const hl_replay_run *run, const hl_sphere *common, const hl_sphere *own);
 double hl_replay_distance2(const double difference[3], const double covariance[3][3]);
+/* Of a symmetric positive definite matrix; false: it is none. */
+bool hl_replay_invert(const double a[3][3], double out[3][3]);
 /* Read a frame of the camera's size. */
 hl_status hl_replay_read(hl_ctx *ctx, const hl_replay_run *run, int i, hl_frame *out);
 hl_sphere_settings hl_replay_near(const hl_session_ball *ball);

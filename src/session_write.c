@@ -9,32 +9,28 @@
 #include "json_write.h"
 #include "session_files.h"
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
 static bool set_text(json_t *object, const char *key, const char *text)
 {
-  return !text || !text[0] || set(object, key, json_string(text));
+  return !text || !text[0] || hl_json_set(object, key, json_string(text));
 }
 
 static bool set_positive(json_t *object, const char *key, double value)
 {
-  return !(value > 0) || set(object, key, json_real(value));
+  return !(value > 0) || hl_json_set(object, key, json_real(value));
 }
 
 static bool set_gains(json_t *object, const double gains[2])
 {
-  return !(gains[0] > 0 || gains[1] > 0) || set(object, "white_balance", hl_json_reals(gains, 2));
+  return !(gains[0] > 0 || gains[1] > 0) ||
+         hl_json_set(object, "white_balance", hl_json_reals(gains, 2));
 }
 
 static bool set_ball(json_t *object, const hl_session_ball *ball)
 {
   return set_text(object, "sphere", ball->sphere) &&
          set_positive(object, "radius_m", ball->radius_m) &&
-         (!(ball->circle_px[2] > 0) || set(object, "circle_px", hl_json_reals(ball->circle_px, 3)));
+         (!(ball->circle_px[2] > 0) ||
+          hl_json_set(object, "circle_px", hl_json_reals(ball->circle_px, 3)));
 }
 
 static bool set_settings(json_t *root, const hl_frame_settings *f)
@@ -42,8 +38,8 @@ static bool set_settings(json_t *root, const hl_frame_settings *f)
   static const char *const transfers[] = {"auto", "linear", "srgb", "gamma"};
   const unsigned transfer = (unsigned)f->transfer;
   return (transfer == HL_TRANSFER_AUTO || transfer > HL_TRANSFER_GAMMA ||
-          set(root, "transfer", json_string(transfers[transfer]))) &&
-         (transfer != HL_TRANSFER_GAMMA || set(root, "gamma", json_real(f->gamma))) &&
+          hl_json_set(root, "transfer", json_string(transfers[transfer]))) &&
+         (transfer != HL_TRANSFER_GAMMA || hl_json_set(root, "gamma", json_real(f->gamma))) &&
          set_positive(root, "black", f->black) && set_positive(root, "saturation", f->saturation);
 }
 
@@ -53,7 +49,8 @@ static json_t *locked_of(const hl_session_locked *l)
   if (set_positive(object, "exposure_us", l->exposure_us) &&
       set_positive(object, "gain", l->gain) && set_gains(object, l->white_balance) &&
       set_positive(object, "frame_duration_us", l->frame_duration_us) &&
-      (!(l->focus_dioptre >= 0) || set(object, "focus_dioptre", json_real(l->focus_dioptre))))
+      (!(l->focus_dioptre >= 0) ||
+       hl_json_set(object, "focus_dioptre", json_real(l->focus_dioptre))))
     return object;
   json_decref(object);
   return NULL;
@@ -63,8 +60,9 @@ static json_t *frame_of(const void *user, int i)
 {
   const hl_session_frame *f = &((const hl_session *)user)->frame[i];
   json_t *object = json_object();
-  if (set(object, "file", json_string(f->file)) && set(object, "label", json_string(f->label)) &&
-      set(object, "timestamp_ns", json_integer((json_int_t)f->timestamp_ns)) &&
+  if (hl_json_set(object, "file", json_string(f->file)) &&
+      hl_json_set(object, "label", json_string(f->label)) &&
+      hl_json_set(object, "timestamp_ns", json_integer((json_int_t)f->timestamp_ns)) &&
       set_positive(object, "exposure_us", f->exposure_us) &&
       set_positive(object, "gain", f->gain) &&
       set_positive(object, "digital_gain", f->digital_gain) &&
@@ -89,7 +87,7 @@ static bool set_lists(json_t *root, const hl_session *s)
     good = json_array_append_new(faults, json_pack("{s:i,s:s}", "frame", s->fault[i].frame, "kind",
                                                    hl_session_fault_text(s->fault[i].kind))) == 0;
   good = good && (s->n_balls < 2 || json_object_set(root, "balls", balls) == 0) &&
-         set(root, "frames", json_null()) &&
+         hl_json_set(root, "frames", json_null()) &&
          (s->n_faults < 1 || json_object_set(root, "faults", faults) == 0);
   json_decref(balls);
   json_decref(faults);
@@ -103,12 +101,13 @@ static json_t *document(const hl_session *s)
   const bool locked = l->exposure_us > 0 || l->gain > 0 || l->white_balance[0] > 0 ||
                       l->white_balance[1] > 0 || l->frame_duration_us > 0 || l->focus_dioptre >= 0;
   json_t *root = json_pack("{s:s,s:i}", "format", "halflight-session", "version", 1);
-  const bool good = root && set_text(root, "camera", s->camera) && set_ball(root, &s->ball[0]) &&
-                    set_settings(root, &s->frame_settings) && set_text(root, "device", s->device) &&
-                    set_text(root, "pixels", hl_session_pixels_text(s->pixels)) &&
-                    (s->size_px[0] < 1 ||
-                     set(root, "size_px", json_pack("[i,i]", s->size_px[0], s->size_px[1]))) &&
-                    (!locked || set(root, "locked", locked_of(l))) && set_lists(root, s);
+  const bool good =
+      root && set_text(root, "camera", s->camera) && set_ball(root, &s->ball[0]) &&
+      set_settings(root, &s->frame_settings) && set_text(root, "device", s->device) &&
+      set_text(root, "pixels", hl_session_pixels_text(s->pixels)) &&
+      (s->size_px[0] < 1 ||
+       hl_json_set(root, "size_px", json_pack("[i,i]", s->size_px[0], s->size_px[1]))) &&
+      (!locked || hl_json_set(root, "locked", locked_of(l))) && set_lists(root, s);
   if (good)
     return root;
   json_decref(root);

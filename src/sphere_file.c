@@ -120,12 +120,6 @@ hl_status hl_sphere_read(hl_ctx *ctx, const char *path, hl_sphere *out)
   return st;
 }
 
-/* Takes over `value`; NULL, for want of memory, is a failure. */
-static bool set(json_t *object, const char *key, json_t *value)
-{
-  return json_object_set_new(object, key, value) == 0;
-}
-
 /* Three rows of n, each `stride` after the one before. */
 static json_t *rows_of(const double *matrix, int n, int stride)
 {
@@ -150,12 +144,13 @@ json_t *hl_sphere_json_document(const hl_sphere *s, const hl_sphere_fit *fit)
   json_t *root = json_pack("{s:s,s:i,s:o,s:f}", "format", "halflight-sphere", "version", 1,
                            "center_m", hl_json_reals(s->center_m, 3), "radius_m", s->radius_m);
   const bool good =
-      root && (!s->has_covariance || set(root, "covariance", rows_of(s->covariance_m2[0], 3, 3))) &&
+      root &&
+      (!s->has_covariance || hl_json_set(root, "covariance", rows_of(s->covariance_m2[0], 3, 3))) &&
       (s->n_intrinsics == 0 ||
-       (set(root, "covariance_camera_held", rows_of(s->held_covariance_m2[0], 3, 3)) &&
-        set(root, "by_intrinsics",
-            rows_of(s->by_intrinsics[0], s->n_intrinsics, HL_INTRINSICS_MAX)))) &&
-      (!fit || set(root, "fit", fit_of(fit)));
+       (hl_json_set(root, "covariance_camera_held", rows_of(s->held_covariance_m2[0], 3, 3)) &&
+        hl_json_set(root, "by_intrinsics",
+                    rows_of(s->by_intrinsics[0], s->n_intrinsics, HL_INTRINSICS_MAX)))) &&
+      (!fit || hl_json_set(root, "fit", fit_of(fit)));
   if (good)
     return root;
   json_decref(root);

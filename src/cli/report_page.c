@@ -50,14 +50,19 @@ static void put_stated(hl_page *page, char *text)
   hl_page_text(page, rest);
 }
 
-void hl_page_printf(hl_page *page, const char *format, ...)
+static void print_stated(hl_page *page, const char *format, va_list list)
 {
   char text[TEXT_MAX];
+  vsnprintf(text, sizeof text, format, list);
+  put_stated(page, text);
+}
+
+void hl_page_printf(hl_page *page, const char *format, ...)
+{
   va_list list;
   va_start(list, format);
-  vsnprintf(text, sizeof text, format, list);
+  print_stated(page, format, list);
   va_end(list);
-  put_stated(page, text);
 }
 
 void hl_page_element(hl_page *page, const char *tag, const char *style, const char *text)
@@ -112,15 +117,13 @@ void hl_page_facts_begin(hl_page *page)
 
 void hl_page_fact(hl_page *page, const char *name, const char *format, ...)
 {
-  char text[TEXT_MAX];
   va_list list;
   fputs("<tr><th scope=\"row\">", page->out);
   hl_page_text(page, name);
   fputs("</th><td>", page->out);
   va_start(list, format);
-  vsnprintf(text, sizeof text, format, list);
+  print_stated(page, format, list);
   va_end(list);
-  put_stated(page, text);
   fputs("</td></tr>\n", page->out);
 }
 
@@ -149,15 +152,13 @@ void hl_page_row_begin(hl_page *page, bool bad, const char *head)
 
 void hl_page_cell(hl_page *page, const char *column, bool figure, const char *format, ...)
 {
-  char text[TEXT_MAX];
   va_list list;
   fprintf(page->out, "<td%s data-of=\"", figure ? " class=\"figure\"" : "");
   hl_page_text(page, column);
   fputs("\">", page->out);
   va_start(list, format);
-  vsnprintf(text, sizeof text, format, list);
+  print_stated(page, format, list);
   va_end(list);
-  put_stated(page, text);
   fputs("</td>", page->out);
 }
 
